@@ -1,0 +1,4 @@
+//! The lumenscope program: its window, its panels and its command line.
+
+pub mod command;
+pub mod session;

@@ -1,0 +1,1 @@
+//! The wgpu side: device, shaders, buffers, readback.

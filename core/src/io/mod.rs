@@ -1,0 +1,1 @@
+//! Files written and read besides scenes: EXR layers, sessions, caches.

@@ -1,0 +1,109 @@
+//! False colour: from a quantity to a perceptually even palette, with round numbers for its legend.
+
+use glam::Vec3;
+
+/// The palettes offered; both are perceptually even.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Palette {
+    /// Dark blue to yellow; the default.
+    #[default]
+    Viridis,
+    /// Black over red to pale yellow.
+    Inferno,
+    /// Blue over green to red; most hues, for reading values off.
+    Turbo,
+}
+
+/// A palette stretched over a range, linear or logarithmic.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FalseColour {
+    /// Palette in use.
+    pub palette: Palette,
+    /// Value at the dark end, in the quantity's unit.
+    pub low: f32,
+    /// Value at the bright end, in the quantity's unit.
+    pub high: f32,
+    /// Whether equal steps along the palette are equal ratios.
+    pub logarithmic: bool,
+}
+
+impl FalseColour {
+    /// Place of `value` along the palette in [0, 1]; NaN gives 0.
+    pub fn position(&self, value: f32) -> f32 {
+        let t = if self.logarithmic {
+            let low = self.low.max(self.high * 1e-6).max(f32::MIN_POSITIVE);
+            (value.max(low) / low).ln() / (self.high / low).ln().max(1e-6)
+        } else {
+            (value - self.low) / (self.high - self.low).max(f32::MIN_POSITIVE)
+        };
+        if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
+    }
+
+    /// Linear RGB colour of `value`.
+    pub fn colour(&self, value: f32) -> Vec3 {
+        self.palette.colour(self.position(value))
+    }
+
+    /// At most `count` + 2 round values (1, 2 or 5 times a power of ten) inside the range, for a legend.
+    pub fn ticks(&self, count: usize) -> Vec<f32> {
+        let (low, high) = (self.low as f64, self.high as f64);
+        if !(high > low) || count == 0 {
+            return vec![self.low];
+        }
+        if self.logarithmic {
+            let low = low.max(high * 1e-6);
+            let mut decade = 10f64.powf(low.log10().floor());
+            let mut ticks = Vec::new();
+            while decade <= high {
+                ticks.extend(
+                    [1.0, 2.0, 5.0]
+                        .map(|m| m * decade)
+                        .iter()
+                        .filter(|v| (low..=high).contains(v))
+                        .map(|v| *v as f32),
+                );
+                decade *= 10.0;
+            }
+            let stride = ticks.len().div_ceil(count.max(1)).max(1);
+            return ticks.into_iter().step_by(stride).collect();
+        }
+        let raw = (high - low) / count as f64;
+        let magnitude = 10f64.powf(raw.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0]
+            .map(|m| m * magnitude)
+            .into_iter()
+            .find(|s| *s >= raw * 0.999)
+            .unwrap_or(raw);
+        let first = (low / step).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        (first..=last).map(|i| (i as f64 * step) as f32).collect()
+    }
+}
+
+impl Palette {
+    /// Linear RGB at `t` in [0, 1].
+    pub fn colour(self, t: f32) -> Vec3 {
+        let table = self.table();
+        let x = t.clamp(0.0, 1.0) * (table.len() - 1) as f32;
+        let i = (x as usize).min(table.len() - 2);
+        table[i].lerp(table[i + 1], x - i as f32)
+    }
+
+    /// The palette as 256 linear RGB entries: what the GPU twin uploads.
+    pub fn table(self) -> &'static [Vec3; 256] {
+        use colorgrad::Gradient;
+        use std::sync::OnceLock;
+        static TABLES: [OnceLock<[Vec3; 256]>; 3] = [OnceLock::new(), OnceLock::new(), OnceLock::new()];
+        TABLES[self as usize].get_or_init(|| {
+            let at = |t: f32| match self {
+                Self::Viridis => colorgrad::preset::viridis().at(t),
+                Self::Inferno => colorgrad::preset::inferno().at(t),
+                Self::Turbo => colorgrad::preset::turbo().at(t),
+            };
+            std::array::from_fn(|i| {
+                let c = at(i as f32 / 255.0);
+                Vec3::new(c.r, c.g, c.b).map(super::colour::linear_from_srgb)
+            })
+        })
+    }
+}

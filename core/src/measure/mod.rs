@@ -1,0 +1,1 @@
+//! How far pictures and irradiances are from each other.

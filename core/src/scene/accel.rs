@@ -1,0 +1,209 @@
+//! Rays against the scene: one tree for what stands still, one a movable object.
+//!
+//! The tree is obvhs's BVH2. Not its faster CWBVH: that one drops hits nearer than 1e-4 world
+//! units. A moved object costs a new matrix, not a new tree.
+
+use super::geometry::Geometry;
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
+use obvhs::{
+    BvhBuildParams,
+    bvh2::{Bvh2, builder::build_bvh2_from_tris},
+    ray::RayHit,
+    triangle::Triangle,
+};
+
+/// A ray from `origin` along `direction`, which need not be of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start, m.
+    pub origin: Vec3,
+    /// Direction; parameters t count in its length.
+    pub direction: Vec3,
+    /// Smallest parameter that counts.
+    pub t_min: f32,
+    /// Largest parameter that counts.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray without end.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The ray between two points, stopping just short of the second.
+    pub fn between(from: Vec3, to: Vec3) -> Self {
+        Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 - 1e-4 }
+    }
+
+    /// A ray that no arithmetic can trace: a zero or non-finite direction or origin, or NaN limits.
+    pub fn is_degenerate(&self) -> bool {
+        !self.origin.is_finite()
+            || !self.direction.is_finite()
+            || self.direction == Vec3::ZERO
+            || self.t_min.is_nan()
+            || self.t_max.is_nan()
+    }
+}
+
+/// Nearest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Parameter along the ray.
+    pub t: f32,
+    /// Triangle number in [`Geometry`].
+    pub triangle: u32,
+    /// Barycentric weights of corners 1 and 2.
+    pub barycentric: Vec2,
+}
+
+/// Trees over a [`Geometry`].
+#[derive(Clone)]
+pub struct Accel {
+    still: Tree,
+    movable: Vec<Movable>,
+}
+
+#[derive(Clone)]
+struct Movable {
+    object: u32,
+    tree: Tree,
+    built_from_world: Affine3A,
+    world_from_object_built: Affine3A,
+}
+
+#[derive(Clone)]
+struct Tree {
+    bvh: Bvh2,
+    corners: Vec<Triangle>,
+    triangle: Vec<u32>,
+}
+
+impl Accel {
+    /// Builds the trees.
+    pub fn new(geometry: &Geometry) -> Self {
+        let still =
+            (0..geometry.len() as u32).filter(|&t| !geometry.movable[geometry.object[t as usize] as usize]);
+        let still = Tree::new(geometry, still);
+        let movable = (0..geometry.object_triangles.len())
+            .filter(|&object| geometry.movable[object] && !geometry.object_triangles[object].is_empty())
+            .map(|object| Movable {
+                object: object as u32,
+                tree: Tree::new(geometry, geometry.object_triangles[object].clone()),
+                built_from_world: Affine3A::IDENTITY,
+                world_from_object_built: geometry.world_from_object[object],
+            })
+            .collect();
+        Self { still, movable }
+    }
+
+    /// Follows an object that [`Geometry::place`] moved.
+    ///
+    /// # Panics
+    /// If the object is not movable.
+    pub fn place(&mut self, object: usize, world_from_object: Affine3A) {
+        let found = self.movable.iter_mut().find(|m| m.object == object as u32);
+        assert!(found.is_some(), "object {object} is not movable");
+        if let Some(m) = found {
+            m.built_from_world = m.world_from_object_built * world_from_object.inverse();
+        }
+    }
+
+    /// Nearest hit, both sides of every triangle; `None` for a degenerate ray.
+    pub fn trace(&self, ray: &Ray) -> Option<Hit> {
+        if ray.is_degenerate() {
+            return None;
+        }
+        let mut best = self.still.trace(ray, None);
+        for m in &self.movable {
+            best = m.tree.trace(&m.local(ray), best);
+        }
+        best
+    }
+
+    /// Whether anything stands in the way of the ray; `false` for a degenerate ray.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        !ray.is_degenerate()
+            && (self.still.occluded(ray) || self.movable.iter().any(|m| m.tree.occluded(&m.local(ray))))
+    }
+
+    /// Bytes held by the trees.
+    pub fn bytes(&self) -> usize {
+        let tree = |t: &Tree| {
+            std::mem::size_of_val(&t.bvh.nodes[..])
+                + std::mem::size_of_val(&t.corners[..])
+                + 4 * t.triangle.len()
+        };
+        tree(&self.still) + self.movable.iter().map(|m| tree(&m.tree)).sum::<usize>()
+    }
+}
+
+impl Movable {
+    fn local(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.built_from_world.transform_point3(ray.origin),
+            direction: self.built_from_world.transform_vector3(ray.direction),
+            ..*ray
+        }
+    }
+}
+
+impl Tree {
+    fn new(geometry: &Geometry, triangles: impl Iterator<Item = u32>) -> Self {
+        let numbers: Vec<u32> =
+            triangles.filter(|&t| geometry.positions[t as usize].iter().all(|p| p.is_finite())).collect();
+        let corners: Vec<Triangle> = numbers
+            .iter()
+            .map(|&t| {
+                let [v0, v1, v2] = geometry.positions[t as usize].map(Vec3A::from);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let parameters = if corners.len() > 200_000 {
+            BvhBuildParams::medium_build()
+        } else {
+            BvhBuildParams::slow_build()
+        };
+        let bvh = build_bvh2_from_tris(&corners, parameters, &mut Default::default());
+        let order = |i: &u32| *i as usize;
+        Self {
+            corners: bvh.primitive_indices.iter().map(|i| corners[order(i)]).collect(),
+            triangle: bvh.primitive_indices.iter().map(|i| numbers[order(i)]).collect(),
+            bvh,
+        }
+    }
+
+    fn trace(&self, ray: &Ray, best: Option<Hit>) -> Option<Hit> {
+        let t_max = best.map_or(ray.t_max, |b| b.t);
+        let inner = obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, t_max);
+        let mut hit = RayHit::none();
+        let found = self.bvh.ray_traverse(inner, &mut hit, |r, i| self.corners[i].intersect(r));
+        if !found || hit.primitive_id == obvhs::ray::INVALID_ID {
+            return best;
+        }
+        let i = hit.primitive_id as usize;
+        let [a, b, c] = [self.corners[i].v0, self.corners[i].v1, self.corners[i].v2].map(Vec3::from);
+        Some(Hit { t: hit.t, triangle: self.triangle[i], barycentric: barycentric(ray, [a, b, c]) })
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        let inner = obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max);
+        !self.bvh.ray_traverse_miss(inner, |r, i| self.corners[i].intersect(r))
+    }
+}
+
+/// Barycentric weights of corners 1 and 2 where a ray's line meets a triangle's plane, clamped to the triangle.
+pub fn barycentric(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Vec2 {
+    let (e1, e2) = (b - a, c - a);
+    let p = ray.direction.cross(e2);
+    let inverse = 1.0 / e1.dot(p);
+    let s = ray.origin - a;
+    let u = s.dot(p) * inverse;
+    let v = ray.direction.dot(s.cross(e1)) * inverse;
+    if !(u + v).is_finite() {
+        return Vec2::splat(1.0 / 3.0);
+    }
+    let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+    let excess = (u + v).max(1.0);
+    Vec2::new(u / excess, v / excess)
+}

@@ -1,0 +1,1 @@
+//! What in a scene would make light wrong.

@@ -1,0 +1,188 @@
+//! Direct light: the irradiance at a point that comes from an emitter without a bounce.
+//!
+//! Point, spot and directional lamps are closed forms times visibility. A plain area emitter of few
+//! triangles is Lambert's closed form for polygons times the visible share, so that the unshadowed
+//! part carries no noise; a textured or finely meshed one is sampled over its area.
+
+use super::{
+    accel::Ray,
+    emitters::{AreaEmitter, Emitter},
+    geometry::offset_origin,
+    lamp::LampKind,
+    world::World,
+};
+use crate::math::random::r2_point;
+use glam::{DVec3, Vec3};
+
+/// Area emitters of at most this many triangles are integrated in closed form.
+pub const ANALYTIC_TRIANGLES: usize = 16;
+
+/// A place to receive light, on one side of a surface or in the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// Position, m.
+    pub position: Vec3,
+    /// Unit normal that cosines refer to.
+    pub normal: Vec3,
+    /// Unit normal of the plane that rays start from; equal to `normal` in the air.
+    pub geometric_normal: Vec3,
+}
+
+impl Receiver {
+    /// A receiver whose two normals agree.
+    pub fn new(position: Vec3, normal: Vec3) -> Self {
+        Self { position, normal, geometric_normal: normal }
+    }
+
+    /// Where shadow rays start.
+    pub fn origin(&self) -> Vec3 {
+        offset_origin(self.position, self.geometric_normal)
+    }
+}
+
+/// Irradiance from one emitter, lx per channel, by at most `samples` shadow rays.
+///
+/// `scramble` decorrelates neighbouring receivers; equal arguments give equal results.
+pub fn irradiance(
+    world: &World,
+    emitter: &Emitter,
+    receiver: &Receiver,
+    samples: u32,
+    scramble: u32,
+) -> Vec3 {
+    match emitter {
+        Emitter::Lamp { lamp, .. } => {
+            if let LampKind::Directional { illuminance } = lamp.kind {
+                let wi = -lamp.axis();
+                let e = illuminance * (lamp.dimmer * receiver.normal.dot(wi).max(0.0));
+                return if e == Vec3::ZERO || world.accel.occluded(&Ray::new(receiver.origin(), wi)) {
+                    Vec3::ZERO
+                } else {
+                    e
+                };
+            }
+            let e = unshadowed_lamp(lamp, receiver);
+            let ray = Ray::between(receiver.origin(), lamp.position());
+            if e == Vec3::ZERO || world.accel.occluded(&ray) { Vec3::ZERO } else { e }
+        }
+        Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec3::ZERO,
+        Emitter::Area(area) if !area.textured && area.triangles.len() <= ANALYTIC_TRIANGLES => {
+            let unshadowed = area.radiance * area_factor(world, area, receiver);
+            if unshadowed == Vec3::ZERO {
+                return Vec3::ZERO;
+            }
+            let (mut visible, mut total) = (0.0, 0.0);
+            for j in 0..samples.max(1) {
+                let (weight, _, seen) = area_sample(world, area, receiver, j, scramble);
+                total += weight;
+                visible += if seen { weight } else { 0.0 };
+            }
+            if total > 0.0 { unshadowed * (visible / total) } else { Vec3::ZERO }
+        }
+        Emitter::Area(area) => {
+            let mut sum = Vec3::ZERO;
+            for j in 0..samples.max(1) {
+                let (weight, radiance, seen) = area_sample(world, area, receiver, j, scramble);
+                if seen {
+                    sum += radiance * weight;
+                }
+            }
+            sum * (area.area() / samples.max(1) as f32)
+        }
+    }
+}
+
+/// Irradiance from every emitter, lx per channel.
+pub fn total_irradiance(world: &World, receiver: &Receiver, samples: u32, scramble: u32) -> Vec3 {
+    world
+        .emitters
+        .list
+        .iter()
+        .fold(Vec3::ZERO, |sum, e| sum + irradiance(world, e, receiver, samples, scramble))
+}
+
+/// I cos θ / d² of a point or spot lamp, lx.
+fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
+    let to_lamp = lamp.position() - receiver.position;
+    let d2 = to_lamp.length_squared();
+    let wi = to_lamp / d2.sqrt();
+    let cosine = receiver.normal.dot(wi);
+    if !(d2 > 0.0) || cosine <= 0.0 {
+        return Vec3::ZERO;
+    }
+    lamp.intensity_towards(-wi) * (cosine / d2)
+}
+
+/// Irradiance a unit radiance over the whole emitter would give, sr projected, unshadowed.
+fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
+    let mut factor = 0.0;
+    for &t in &area.triangles {
+        let [a, b, c] = world.geometry.positions[t as usize];
+        let faces = world.geometry.area_normal(t).dot(receiver.position - a) > 0.0;
+        if faces {
+            factor += polygon_irradiance(receiver.position, receiver.normal, &[a, b, c]);
+        } else if area.double_sided {
+            factor += polygon_irradiance(receiver.position, receiver.normal, &[a, c, b]);
+        }
+    }
+    factor as f32
+}
+
+/// One area sample: cos θ cos θ′ / d², the radiance there, and whether it is seen.
+fn area_sample(
+    world: &World,
+    area: &AreaEmitter,
+    receiver: &Receiver,
+    j: u32,
+    scramble: u32,
+) -> (f32, Vec3, bool) {
+    let point = area.point(&world.geometry, r2_point(j, scramble));
+    let to_light = point.position - receiver.position;
+    let d2 = to_light.length_squared();
+    let wi = to_light / d2.sqrt();
+    let cosine = receiver.normal.dot(wi);
+    let mut cosine_light = -point.normal.dot(wi);
+    if area.double_sided {
+        cosine_light = cosine_light.abs();
+    }
+    if !(d2 > 0.0) || cosine <= 0.0 || cosine_light <= 0.0 {
+        return (0.0, Vec3::ZERO, false);
+    }
+    let seen = !world.accel.occluded(&Ray::between(
+        receiver.origin(),
+        offset_origin(point.position, point.normal * -point.normal.dot(wi).signum()),
+    ));
+    (cosine * cosine_light / d2, point.radiance, seen)
+}
+
+/// Irradiance at a point from a polygon of unit radiance, unshadowed: ½ Σ Θᵢ Γᵢ·n, after clipping
+/// the polygon to the receiver's horizon (Lambert; Baum, Rushmeier and Winget 1989). Corners run
+/// counter-clockwise seen from the receiver's side. Unit: projected solid angle, sr.
+pub fn polygon_irradiance(position: Vec3, normal: Vec3, corners: &[Vec3; 3]) -> f64 {
+    let n = normal.as_dvec3();
+    let relative = corners.map(|c| c.as_dvec3() - position.as_dvec3());
+    let height = relative.map(|r| r.dot(n));
+    let mut clipped = [DVec3::ZERO; 4];
+    let mut count = 0;
+    for i in 0..3 {
+        let k = (i + 1) % 3;
+        if height[i] >= 0.0 {
+            clipped[count] = relative[i];
+            count += 1;
+        }
+        if (height[i] < 0.0) != (height[k] < 0.0) && count < 4 {
+            clipped[count] = relative[i].lerp(relative[k], height[i] / (height[i] - height[k]));
+            count += 1;
+        }
+    }
+    let mut sum = 0.0;
+    for i in 0..count {
+        let (a, b) = (clipped[i], clipped[(i + 1) % count]);
+        let cross = a.cross(b);
+        let sine = cross.length();
+        if sine > 1e-300 {
+            sum += sine.atan2(a.dot(b)) * cross.dot(n) / sine;
+        }
+    }
+    (0.5 * sum).abs()
+}

@@ -1,0 +1,133 @@
+//! The RON scene file: models to load, and what model files lack. Documented in `scenes/README.md`.
+
+use super::{MeasuringPlane, camera::Camera};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A RON scene. Every field may be left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SceneFile {
+    /// Model files (glTF, GLB, OBJ), relative to the RON file.
+    pub models: Vec<ModelEntry>,
+    /// Point, spot and directional lamps.
+    pub lamps: Vec<LampEntry>,
+    /// Rectangular area lamps, textured or not.
+    pub area_lamps: Vec<AreaLampEntry>,
+    /// Names of objects that may be dragged; `*` at the end matches any rest of a name.
+    pub movable: Vec<String>,
+    /// First view; without one the camera of the model file, or one that frames everything.
+    pub camera: Option<Camera>,
+    /// Planes on which illuminance is measured.
+    pub planes: Vec<MeasuringPlane>,
+    /// Overrides of the rendering plan.
+    pub plan: PlanOverrides,
+}
+
+/// A model file and where it stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelEntry {
+    /// Path relative to the scene file.
+    pub file: String,
+    /// Name given to the objects of an OBJ file; by default the file's stem.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// Position, m.
+    #[serde(default)]
+    pub translate: Vec3,
+    /// Turn about the y axis, degrees, counter-clockwise from above.
+    #[serde(default)]
+    pub rotate_y_deg: f32,
+    /// Scale: metres per unit of the file.
+    #[serde(default = "one")]
+    pub scale: f32,
+    /// Whether all its objects may be dragged.
+    #[serde(default)]
+    pub movable: bool,
+}
+
+/// A lamp without a surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum LampEntry {
+    /// The same intensity everywhere.
+    Point {
+        /// Name shown.
+        name: String,
+        /// Position, m.
+        at: Vec3,
+        /// Intensity, cd per channel.
+        intensity: Vec3,
+    },
+    /// A cone of light.
+    Spot {
+        /// Name shown.
+        name: String,
+        /// Position, m.
+        at: Vec3,
+        /// Point it is aimed at, m.
+        towards: Vec3,
+        /// Intensity on the axis, cd per channel.
+        intensity: Vec3,
+        /// Half angle of the full cone, degrees.
+        inner_deg: f32,
+        /// Half angle of the dark, degrees.
+        outer_deg: f32,
+    },
+    /// Parallel light.
+    Directional {
+        /// Name shown.
+        name: String,
+        /// Direction the light travels.
+        direction: Vec3,
+        /// Illuminance on a plane facing it, lx per channel.
+        illuminance: Vec3,
+    },
+}
+
+/// A rectangular lamp; it emits from the side of `edge_u × edge_v`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AreaLampEntry {
+    /// Name shown.
+    pub name: String,
+    /// Corner, m.
+    pub corner: Vec3,
+    /// First edge, m.
+    pub edge_u: Vec3,
+    /// Second edge, m.
+    pub edge_v: Vec3,
+    /// Radiance, cd/m² per channel.
+    pub radiance: Vec3,
+    /// Picture multiplied into the radiance, relative to the scene file.
+    #[serde(default)]
+    pub texture: Option<String>,
+    /// Whether it emits from both sides.
+    #[serde(default)]
+    pub double_sided: bool,
+}
+
+/// Settings of the rendering plan that the user fixes; the rest is chosen from the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlanOverrides {
+    /// Distance between radiosity elements, m.
+    pub element_spacing_m: Option<f32>,
+    /// Gather rays an element.
+    pub gather_rays: Option<u32>,
+    /// Shadow rays an area emitter and element.
+    pub shadow_rays: Option<u32>,
+    /// Whether an irradiance volume is built.
+    pub volume: Option<bool>,
+    /// Samples along each axis of the volume's first level.
+    pub volume_samples: Option<[u32; 3]>,
+    /// Samples along each axis of a second-level grid.
+    pub volume_second_level: Option<u32>,
+    /// Rows of direction bins a hemisphere: 2n² bins.
+    pub volume_bins_n: Option<u32>,
+}
+
+fn one() -> f32 {
+    1.0
+}

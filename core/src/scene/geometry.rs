@@ -1,0 +1,195 @@
+//! The scene flattened to world-space triangles, numbered once and for all.
+
+use super::{
+    Scene,
+    material::{Material, Texture},
+};
+use glam::{Affine3A, Vec2, Vec3};
+use std::{ops::Range, sync::Arc};
+
+/// World-space triangles of every object, in object order: a triangle's number is its name everywhere.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Corner positions, m.
+    pub positions: Vec<[Vec3; 3]>,
+    /// Corner shading normals.
+    pub normals: Vec<[Vec3; 3]>,
+    /// Corner texture coordinates.
+    pub uvs: Vec<[Vec2; 3]>,
+    /// Material of each triangle.
+    pub material: Vec<u32>,
+    /// Object of each triangle.
+    pub object: Vec<u32>,
+    /// Triangles of each object.
+    pub object_triangles: Vec<Range<u32>>,
+    /// Which objects may move.
+    pub movable: Vec<bool>,
+    /// Placement of each object when flattened.
+    pub world_from_object: Vec<Affine3A>,
+    /// Emission factor of each object.
+    pub dimmer: Vec<f32>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Textures.
+    pub textures: Vec<Arc<Texture>>,
+}
+
+/// A point on a surface, seen from one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Position, m.
+    pub position: Vec3,
+    /// Geometric normal, on the side seen.
+    pub geometric_normal: Vec3,
+    /// Interpolated normal, on the side seen.
+    pub normal: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Barycentric weights of corners 1 and 2.
+    pub barycentric: Vec2,
+    /// Triangle.
+    pub triangle: u32,
+    /// Whether the back is seen.
+    pub back: bool,
+}
+
+impl Geometry {
+    /// Flattens a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let mut geometry =
+            Self { materials: scene.materials.clone(), textures: scene.textures.clone(), ..Self::default() };
+        for (index, object) in scene.objects.iter().enumerate() {
+            let first = geometry.positions.len() as u32;
+            for part in &object.parts {
+                let mesh = &scene.meshes[part.mesh];
+                for t in &mesh.triangles {
+                    let corner = t.map(|i| i as usize);
+                    geometry.uvs.push(corner.map(|i| mesh.uvs[i]));
+                    geometry.material.push(part.material as u32);
+                    geometry.object.push(index as u32);
+                    geometry
+                        .positions
+                        .push(corner.map(|i| object.world_from_object.transform_point3(mesh.positions[i])));
+                    geometry
+                        .normals
+                        .push(corner.map(|i| world_normal(&object.world_from_object, mesh.normals[i])));
+                }
+            }
+            geometry.object_triangles.push(first..geometry.positions.len() as u32);
+            geometry.movable.push(object.movable);
+            geometry.dimmer.push(object.dimmer);
+            geometry.world_from_object.push(object.world_from_object);
+        }
+        geometry
+    }
+
+    /// Puts one object somewhere else; its triangles keep their numbers.
+    pub fn place(&mut self, object: usize, world_from_object: Affine3A) {
+        let change = world_from_object * self.world_from_object[object].inverse();
+        self.world_from_object[object] = world_from_object;
+        for t in self.object_triangles[object].clone() {
+            let t = t as usize;
+            self.positions[t] = self.positions[t].map(|p| change.transform_point3(p));
+            self.normals[t] = self.normals[t].map(|n| world_normal(&change, n));
+        }
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Smallest and largest corner, m; a unit box when there is nothing.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let mut corners = self.positions.iter().flatten();
+        match corners.next() {
+            None => (Vec3::splat(-0.5), Vec3::splat(0.5)),
+            Some(&p) => corners.fold((p, p), |(low, high), &q| (low.min(q), high.max(q))),
+        }
+    }
+
+    /// Twice the area-weighted front normal of a triangle.
+    pub fn area_normal(&self, triangle: u32) -> Vec3 {
+        let [a, b, c] = self.positions[triangle as usize];
+        (b - a).cross(c - a)
+    }
+
+    /// Material of a triangle.
+    pub fn material_of(&self, triangle: u32) -> &Material {
+        &self.materials[self.material[triangle as usize] as usize]
+    }
+
+    /// The surface at barycentric weights of a triangle, as seen by a ray travelling along `direction`.
+    pub fn surface(&self, triangle: u32, barycentric: Vec2, direction: Vec3) -> Surface {
+        let t = triangle as usize;
+        let [a, b, c] = self.positions[t];
+        let [na, nb, nc] = self.normals[t];
+        let [ta, tb, tc] = self.uvs[t];
+        let (u, v) = (barycentric.x, barycentric.y);
+        let w = 1.0 - u - v;
+        let front = self.area_normal(triangle).normalize_or(Vec3::Y);
+        let back = front.dot(direction) > 0.0;
+        let side = if back { -1.0 } else { 1.0 };
+        let shading = (na * w + nb * u + nc * v).normalize_or(front);
+        Surface {
+            position: a * w + b * u + c * v,
+            geometric_normal: front * side,
+            normal: shading * side,
+            uv: ta * w + tb * u + tc * v,
+            barycentric,
+            triangle,
+            back,
+        }
+    }
+
+    /// Whether this side of the surface reflects and emits.
+    pub fn is_lit(&self, surface: &Surface) -> bool {
+        !surface.back || self.material_of(surface.triangle).double_sided
+    }
+
+    /// Diffuse reflectance of the side seen; zero on the back of a single-sided surface.
+    pub fn reflectance(&self, surface: &Surface) -> Vec3 {
+        if !self.is_lit(surface) {
+            return Vec3::ZERO;
+        }
+        self.material_of(surface.triangle).reflectance_at(surface.uv, &self.textures)
+    }
+
+    /// Radiance emitted from the side seen, cd/m², the object's dimmer applied.
+    pub fn emission(&self, surface: &Surface) -> Vec3 {
+        let material = self.material_of(surface.triangle);
+        if material.emission == Vec3::ZERO || !self.is_lit(surface) {
+            return Vec3::ZERO;
+        }
+        let dimmer = self.dimmer[self.object[surface.triangle as usize] as usize];
+        material.emission_at(surface.uv, &self.textures) * dimmer
+    }
+}
+
+fn world_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
+    let cofactor = transform.matrix3.inverse().transpose();
+    (cofactor * normal).normalize_or(Vec3::Y)
+}
+
+/// Ray origin moved off a surface along its geometric normal by a few units in the last place, so
+/// that a ray leaving it does not hit it again, at any scene scale.
+///
+/// Wächter and Binder, *A Fast and Robust Method for Avoiding Self-Intersection*, Ray Tracing Gems 2019.
+pub fn offset_origin(position: Vec3, normal: Vec3) -> Vec3 {
+    const ORIGIN: f32 = 1.0 / 32.0;
+    const FLOAT_SCALE: f32 = 1.0 / 65_536.0;
+    const INT_SCALE: f32 = 256.0;
+    let axis = |p: f32, n: f32| {
+        if p.abs() < ORIGIN {
+            return p + FLOAT_SCALE * n;
+        }
+        let step = (INT_SCALE * n) as i32;
+        f32::from_bits((p.to_bits() as i32).wrapping_add(if p < 0.0 { -step } else { step }) as u32)
+    };
+    Vec3::new(axis(position.x, normal.x), axis(position.y, normal.y), axis(position.z, normal.z))
+}

@@ -1,0 +1,54 @@
+//! A scene made ready for rays: its triangles, trees and emitters, kept together and moved together.
+
+use super::{Scene, Target, accel::Accel, emitters::Emitters, geometry::Geometry};
+
+/// Triangles, trees and emitters of one scene.
+#[derive(Clone)]
+pub struct World {
+    /// World-space triangles.
+    pub geometry: Geometry,
+    /// Trees over them.
+    pub accel: Accel,
+    /// Everything that emits.
+    pub emitters: Emitters,
+}
+
+impl World {
+    /// Prepares a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let geometry = Geometry::new(scene);
+        let accel = Accel::new(&geometry);
+        let emitters = Emitters::new(scene, &geometry);
+        Self { geometry, accel, emitters }
+    }
+
+    /// Follows placements and dimmers that changed in `scene`; meshes and materials must not have.
+    /// Returns what moved or was dimmed.
+    ///
+    /// # Panics
+    /// If an object moved that is not movable, or the number of objects differs.
+    pub fn follow(&mut self, scene: &Scene) -> Vec<Target> {
+        assert_eq!(scene.objects.len(), self.geometry.object_triangles.len(), "another scene");
+        let mut changed = Vec::new();
+        for (index, object) in scene.objects.iter().enumerate() {
+            let moved = self.geometry.world_from_object[index] != object.world_from_object;
+            if moved {
+                self.geometry.place(index, object.world_from_object);
+                self.accel.place(index, object.world_from_object);
+            }
+            if moved || self.geometry.dimmer[index] != object.dimmer {
+                self.geometry.dimmer[index] = object.dimmer;
+                changed.push(Target::Object(index));
+            }
+        }
+        for emitter in &self.emitters.list {
+            if let super::emitters::Emitter::Lamp { index, lamp } = emitter
+                && scene.lamps[*index] != *lamp
+            {
+                changed.push(Target::Lamp(*index));
+            }
+        }
+        self.emitters = Emitters::new(scene, &self.geometry);
+        changed
+    }
+}

@@ -1,0 +1,58 @@
+//! Layers: one linear radiance image a term; weighted, they sum to the picture.
+
+use crate::math::image::LinearImage;
+
+/// The terms of the picture, in the order they are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Layer {
+    /// Light that emitters send straight to the eye.
+    Emitted,
+    /// Light that reached the surface straight from the emitters.
+    Direct,
+    /// Light that reached the surface after at least one bounce.
+    Indirect,
+}
+
+impl Layer {
+    /// Every layer.
+    pub const ALL: [Self; 3] = [Self::Emitted, Self::Direct, Self::Indirect];
+
+    /// Name in files, on the command line and on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Emitted => "emitted",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+        }
+    }
+}
+
+/// One image a layer, cd/m².
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layers {
+    /// Images in the order of [`Layer::ALL`].
+    pub images: [LinearImage; 3],
+}
+
+impl Layers {
+    /// Black layers.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { images: std::array::from_fn(|_| LinearImage::new(width, height)) }
+    }
+
+    /// One layer's image.
+    pub fn get(&self, layer: Layer) -> &LinearImage {
+        &self.images[layer as usize]
+    }
+
+    /// Weighted sum: the picture, cd/m².
+    pub fn sum(&self, weights: [f32; 3]) -> LinearImage {
+        let mut picture = LinearImage::new(self.images[0].width, self.images[0].height);
+        for (image, weight) in self.images.iter().zip(weights) {
+            for (out, pixel) in picture.pixels.iter_mut().zip(&image.pixels) {
+                *out += *pixel * weight;
+            }
+        }
+        picture
+    }
+}

@@ -1,0 +1,6 @@
+//! What the solvers produce, and how it follows the user.
+
+pub mod live;
+pub mod solution;
+
+pub use solution::LightTransportSolution;

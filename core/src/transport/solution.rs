@@ -1,0 +1,50 @@
+//! The solution: one scene's light, with where it came from.
+
+use crate::{
+    irradiance_volume::IrradianceVolume,
+    radiosity::RadiositySolution,
+    scene::{Scene, world::World},
+};
+use std::sync::Arc;
+
+/// One scene's light: immutable, cheap to clone, safe to show while the next one is computed.
+#[derive(Clone)]
+pub struct LightTransportSolution {
+    /// The scene it was solved for.
+    pub scene: Arc<Scene>,
+    /// Its triangles, trees and emitters.
+    pub world: Arc<World>,
+    /// Light on surfaces.
+    pub radiosity: Arc<RadiositySolution>,
+    /// Light in the air, if the plan asks for it.
+    pub volume: Option<Arc<IrradianceVolume>>,
+    /// Objects away from where they were when the transport was solved: lit from the volume.
+    pub moved_objects: Vec<u32>,
+    /// What it was made with.
+    pub provenance: Provenance,
+}
+
+/// What a solution was made with, and how far it is.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Provenance {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Counts up with every change that reached the solution.
+    pub revision: u64,
+    /// Whether nothing better is on its way.
+    pub state: State,
+    /// Seconds spent in each stage, in order.
+    pub stage_seconds: Vec<(String, f64)>,
+}
+
+/// How far a solution is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub enum State {
+    /// The scene has changed since.
+    Stale,
+    /// Correct but coarse; a finer one is on its way.
+    Refining,
+    /// As good as the plan asks.
+    #[default]
+    Settled,
+}
