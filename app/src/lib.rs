@@ -2,3 +2,5 @@
 
 pub mod command;
 pub mod session;
+pub mod viewport;
+pub mod widgets;
