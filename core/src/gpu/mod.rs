@@ -1,1 +1,10 @@
 //! The wgpu side: device, shaders, buffers, readback.
+//!
+//! Every pass here is the twin of a CPU function that specifies it and names it; a test compares the
+//! two. The GPU shows, it does not solve: what it draws was computed by the solvers.
+
+pub mod device;
+pub mod renderer;
+
+pub use device::{GpuContext, GpuError, required_features, required_limits};
+pub use renderer::{FrameSettings, GpuRenderer};
