@@ -1,7 +1,126 @@
 //! Radiosity: diffuse interreflection on surfaces, solved once, shown from anywhere.
+//!
+//! Elements lie on the surfaces ([`surface_map`]); what each sees is cached as hit numbers
+//! ([`gather`]); direct light is kept per emitter; [`solve`] sweeps until the bound of the error is
+//! below tolerance. A changed lamp costs its own shadow rays and a few sweeps, no new visibility.
+//!
+//! The picture takes *direct* light exactly at each point and only *indirect* light from elements,
+//! because shadows and lamps' falloff are sharper than any element while interreflection is not.
+//! Limits: indirect light varies no faster than the element spacing (contact shadows of bounced
+//! light are lost), surfaces are Lambertian, and the cached transport holds for where the objects
+//! stood when it was gathered.
 
-use crate::math::part::Part;
-use glam::{Vec2, Vec3};
+mod charts;
+mod direct_light;
+pub mod gather;
+pub mod inspect;
+pub mod lookup;
+pub mod solve;
+pub mod surface_map;
+
+use crate::{
+    math::{
+        colour::luminance,
+        part::Part,
+        progress::{Cancelled, Progress},
+        random::hash2,
+    },
+    scene::{
+        Target,
+        direct::{Receiver, total_irradiance},
+        geometry::Surface,
+        world::World,
+    },
+};
+use direct_light::EmitterLight;
+use gather::Transport;
+use glam::{DVec3, Vec2, Vec3};
+use lookup::SideMap;
+use solve::{Convergence, weighted_sum};
+use std::sync::Arc;
+use surface_map::{Element, SurfaceMap};
+
+/// What a solve is made with.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct RadiositySettings {
+    /// Distance between elements, m; chosen from the scene when not given.
+    pub element_spacing_m: Option<f32>,
+    /// Gather rays an element.
+    pub gather_rays: u32,
+    /// Shadow rays an area emitter and element, where it is partly hidden.
+    pub shadow_rays: u32,
+    /// Bound of the mean error of the sweeps, relative to the mean irradiance.
+    pub tolerance: f32,
+    /// Sweeps after which a solve is given up.
+    pub max_sweeps: u32,
+    /// Seed of every random number.
+    pub seed: u64,
+}
+
+impl Default for RadiositySettings {
+    fn default() -> Self {
+        Self {
+            element_spacing_m: None,
+            gather_rays: 256,
+            shadow_rays: 16,
+            tolerance: 1e-3,
+            max_sweeps: 200,
+            seed: 1,
+        }
+    }
+}
+
+/// Why there is no radiosity solution.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RadiosityError {
+    /// The user stopped it.
+    #[error("radiosity was cancelled")]
+    Cancelled,
+    /// The sweeps did not converge: a reflectance of 1 or more, or values that are not finite.
+    #[error(
+        "radiosity did not converge: error bound {error_bound} of the mean irradiance after {sweeps} sweeps \
+         (is a reflectance 1 or more?)"
+    )]
+    NotConverged {
+        /// Bound of the relative error.
+        error_bound: f32,
+        /// Sweeps done.
+        sweeps: u32,
+    },
+    /// The spacing is too fine for the scene.
+    #[error("{elements} elements at a spacing of {spacing_m} m; at most {most} are allowed")]
+    TooManyElements {
+        /// Elements wanted.
+        elements: usize,
+        /// Elements allowed.
+        most: usize,
+        /// Spacing, m.
+        spacing_m: f32,
+    },
+    /// The spacing is not a positive number.
+    #[error("element spacing must be positive, got {spacing_m} m")]
+    BadSpacing {
+        /// Spacing, m.
+        spacing_m: f32,
+    },
+}
+
+impl From<Cancelled> for RadiosityError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Where the light of a solution goes, in luminance-weighted lumen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct EnergyBalance {
+    /// Flux that arrives straight from the emitters, lm.
+    pub direct_flux: f64,
+    /// Flux that arrives after bounces, lm.
+    pub indirect_flux: f64,
+    /// Flux absorbed by the surfaces, lm; in a closed scene equal to `direct_flux` up to sampling noise.
+    pub absorbed_flux: f64,
+}
 
 /// Irradiance on every surface element of a scene.
 #[derive(Clone, Debug, Default)]
@@ -10,11 +129,216 @@ pub struct RadiositySolution {
     pub direct: Vec<Vec3>,
     /// Indirect irradiance of each element, lx per channel.
     pub indirect: Vec<Vec3>,
+    radiosity: Vec<Vec3>,
+    transport: Arc<Transport>,
+    lights: Vec<EmitterLight>,
+    settings: RadiositySettings,
+    convergence: Convergence,
 }
 
 impl RadiositySolution {
+    /// Lays out elements, gathers their transport, lights them and sweeps to convergence.
+    ///
+    /// # Errors
+    /// Every [`RadiosityError`].
+    pub fn solve(
+        world: &World,
+        settings: &RadiositySettings,
+        progress: &Progress,
+    ) -> Result<Self, RadiosityError> {
+        progress.begin("laying out elements");
+        let map = SurfaceMap::new(&world.geometry, settings.element_spacing_m)?;
+        let transport = Transport::new(world, map, settings.gather_rays, settings.seed, progress)?;
+        Self::light(world, Arc::new(transport), settings, progress)
+    }
+
+    /// Lights a transport that is already there.
+    ///
+    /// # Errors
+    /// [`RadiosityError::Cancelled`], [`RadiosityError::NotConverged`].
+    pub fn light(
+        world: &World,
+        transport: Arc<Transport>,
+        settings: &RadiositySettings,
+        progress: &Progress,
+    ) -> Result<Self, RadiosityError> {
+        progress.begin("direct light");
+        let lights = world
+            .emitters
+            .list
+            .iter()
+            .map(|e| EmitterLight::new(world, &transport, e, settings.shadow_rays, settings.seed, progress))
+            .collect::<Result<Vec<_>, _>>()?;
+        progress.begin("interreflection");
+        let start = vec![Vec3::ZERO; transport.map.elements.len()];
+        let solution = Self::converge(transport, lights, &start, *settings, settings.max_sweeps, progress)?;
+        let Convergence { error_bound, sweeps, converged, .. } = solution.convergence;
+        if converged { Ok(solution) } else { Err(RadiosityError::NotConverged { error_bound, sweeps }) }
+    }
+
+    /// The solution after `changed` targets of `world` were moved or dimmed since this one.
+    ///
+    /// Emitters among them get new shadow rays if they moved and a factor if they were dimmed; the
+    /// transport is kept, so objects that only reflect leave no trace here. Sweeps start from this
+    /// solution and stop after `max_sweeps`; [`Self::convergence`] says how far they came.
+    pub fn relight(&self, world: &World, changed: &[Target], shadow_rays: u32, max_sweeps: u32) -> Self {
+        let seed = self.settings.seed;
+        let known = self.lights.len() == world.emitters.len();
+        let mut lights = Vec::with_capacity(world.emitters.len());
+        for (i, emitter) in world.emitters.list.iter().enumerate() {
+            lights.push(match self.lights.get(i).filter(|_| known) {
+                Some(light) if !changed.contains(&emitter.target()) => light.clone(),
+                Some(light) => light.follow(world, &self.transport, emitter, shadow_rays, seed),
+                None => EmitterLight::unlit(world, emitter).follow(
+                    world,
+                    &self.transport,
+                    emitter,
+                    shadow_rays,
+                    seed,
+                ),
+            });
+        }
+        // Nobody cancels silent progress.
+        Self::converge(
+            self.transport.clone(),
+            lights,
+            &self.indirect,
+            self.settings,
+            max_sweeps,
+            &Progress::silent(),
+        )
+        .unwrap_or_else(|_| self.clone())
+    }
+
+    fn converge(
+        transport: Arc<Transport>,
+        lights: Vec<EmitterLight>,
+        start: &[Vec3],
+        settings: RadiositySettings,
+        max_sweeps: u32,
+        progress: &Progress,
+    ) -> Result<Self, RadiosityError> {
+        let mut direct = vec![Vec3::ZERO; transport.map.elements.len()];
+        for light in &lights {
+            light.add_to(&mut direct);
+        }
+        let (mut indirect, convergence) =
+            solve::indirect(&transport, &direct, start, settings.tolerance, max_sweeps, progress)?;
+        transport.fill(&mut direct);
+        transport.fill(&mut indirect);
+        let radiosity = transport
+            .map
+            .elements
+            .iter()
+            .zip(direct.iter().zip(&indirect))
+            .map(|(e, (d, i))| e.reflectance * (*d + *i))
+            .collect();
+        Ok(Self { direct, indirect, radiosity, transport, lights, settings, convergence })
+    }
+
     /// Irradiance at barycentric weights of a triangle, on its front or back, lx per channel.
-    pub fn irradiance(&self, _triangle: u32, _barycentric: Vec2, _back: bool, _part: Part) -> Vec3 {
-        Vec3::ZERO
+    ///
+    /// Zero on the black back of a single-sided surface.
+    pub fn irradiance(&self, triangle: u32, barycentric: Vec2, back: bool, part: Part) -> Vec3 {
+        let blend = self.transport.map.blend(triangle, barycentric, back);
+        match part {
+            Part::Direct => blend.sum(&self.direct),
+            Part::Indirect => blend.sum(&self.indirect),
+            Part::All => blend.sum(&self.direct) + blend.sum(&self.indirect),
+        }
+    }
+
+    /// Irradiance at a point with the direct light evaluated there by `shadow_rays` rays an
+    /// emitter, and only the indirect from elements, lx per channel: what the picture shows.
+    pub fn irradiance_exact_direct(
+        &self,
+        world: &World,
+        surface: &Surface,
+        part: Part,
+        shadow_rays: u32,
+        scramble: u32,
+    ) -> Vec3 {
+        if !world.geometry.is_lit(surface) {
+            return Vec3::ZERO;
+        }
+        let indirect =
+            || self.irradiance(surface.triangle, surface.barycentric, surface.back, Part::Indirect);
+        let direct = || {
+            let receiver = Receiver {
+                position: surface.position,
+                normal: surface.normal,
+                geometric_normal: surface.geometric_normal,
+            };
+            total_irradiance(world, &receiver, shadow_rays, hash2(scramble, surface.triangle))
+        };
+        match part {
+            Part::Direct => direct(),
+            Part::Indirect => indirect(),
+            Part::All => direct() + indirect(),
+        }
+    }
+
+    /// Radiance reflected by a surface towards any direction on its side, ρE/π, cd/m² per channel;
+    /// what the surface emits is not in it.
+    pub fn radiance(&self, world: &World, surface: &Surface, part: Part) -> Vec3 {
+        let e = self.irradiance(surface.triangle, surface.barycentric, surface.back, part);
+        world.geometry.reflectance(surface) * e * std::f32::consts::FRAC_1_PI
+    }
+
+    /// The element nearest to a point of a triangle's side, or [`lookup::NO_ELEMENTS`].
+    pub fn element_at(&self, triangle: u32, barycentric: Vec2, back: bool) -> u32 {
+        self.transport.map.blend(triangle, barycentric, back).nearest()
+    }
+
+    /// Radiosity B = ρE of each element, lx per channel; what elements emit is not in it.
+    pub fn radiosity(&self) -> &[Vec3] {
+        &self.radiosity
+    }
+
+    /// The elements.
+    pub fn elements(&self) -> &[Element] {
+        &self.transport.map.elements
+    }
+
+    /// Records from triangle sides to elements, for [`lookup::blend`] and its twin.
+    pub fn sides(&self) -> &[SideMap] {
+        &self.transport.map.sides
+    }
+
+    /// What every element sees.
+    pub fn transport(&self) -> &Arc<Transport> {
+        &self.transport
+    }
+
+    /// What it was solved with.
+    pub fn settings(&self) -> &RadiositySettings {
+        &self.settings
+    }
+
+    /// How the sweeps went.
+    pub fn convergence(&self) -> Convergence {
+        self.convergence
+    }
+
+    /// Where the light goes.
+    pub fn energy(&self) -> EnergyBalance {
+        let elements = self.elements();
+        let areas: Vec<f32> = elements.iter().map(|e| e.area).collect();
+        let flux = |value: &(dyn Fn(usize) -> Vec3 + Sync)| {
+            weighted_sum(&areas, |i| DVec3::splat(f64::from(luminance(value(i))))).x
+        };
+        EnergyBalance {
+            direct_flux: flux(&|i| self.direct[i]),
+            indirect_flux: flux(&|i| self.indirect[i]),
+            absorbed_flux: flux(&|i| {
+                (Vec3::ONE - elements[i].reflectance) * (self.direct[i] + self.indirect[i])
+            }),
+        }
+    }
+
+    /// Bytes held, the shared transport included.
+    pub fn bytes(&self) -> usize {
+        let tables = size_of_val(&self.direct[..]) * 3;
+        self.transport.bytes() + tables + self.lights.iter().map(EmitterLight::bytes).sum::<usize>()
     }
 }

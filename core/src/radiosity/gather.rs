@@ -1,0 +1,227 @@
+//! Transport, cached as hits: what every element sees, by number.
+//!
+//! The indirect irradiance of an element is the mean radiosity over cosine-distributed directions,
+//! `E = ∫ L cos θ dω ≈ (1/N) Σ B(hit)` (the cosine and the 1/π of L = B/π cancel against the
+//! density), so a ray is worth one element number and a sweep is one gather of numbers. Lamps can
+//! change without a ray being cast again. Not form factors in a matrix: that grows with the square
+//! of the elements; not hemicubes: their raster aliases.
+//!
+//! A hit draws one of the four elements it lies between with the interpolation weight as
+//! probability, so the mean is that of the interpolated radiosity. Neighbouring nodes of a grid use
+//! consecutive stretches of one R₂ sequence: between them the interpolated value has the error of
+//! many more directions than each has. Neither is true of independently scrambled nodes.
+
+use super::{
+    RadiosityError,
+    surface_map::{Element, SurfaceMap, UNSOLVED},
+};
+use crate::{
+    math::{
+        frame::{cosine_direction, frame_from_normal},
+        progress::Progress,
+        random::{hash2, r2_point, unit_f32},
+    },
+    scene::{accel::Ray, geometry::offset_origin, world::World},
+};
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+
+/// What every element sees.
+#[derive(Clone, Debug, Default)]
+pub struct Transport {
+    /// Where the elements are.
+    pub map: SurfaceMap,
+    /// `rays` hits an element: element numbers, or the number of elements where a ray meets nothing that reflects.
+    pub hits: Vec<u32>,
+    /// Rays an element.
+    pub rays: u32,
+    /// Largest row sum of transport times reflectance, per channel: how much a sweep can amplify.
+    pub norm: Vec3,
+    /// Elements without light of their own and the solved neighbours they take it from, in order.
+    fills: Vec<Fill>,
+}
+
+#[derive(Clone, Debug)]
+struct Fill {
+    element: u32,
+    sources: Vec<u32>,
+}
+
+impl Transport {
+    /// Casts `rays` rays from every element.
+    ///
+    /// # Errors
+    /// [`RadiosityError::Cancelled`].
+    pub fn new(
+        world: &World,
+        mut map: SurfaceMap,
+        rays: u32,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Self, RadiosityError> {
+        const BLOCK: usize = 1024;
+        let rays = rays.max(1);
+        let nothing = map.elements.len() as u32;
+        let mut hits = vec![nothing; map.elements.len() * rays as usize];
+        let mut buried = vec![false; map.elements.len()];
+        progress.begin("gathering light paths");
+        for (block, (rows, buried)) in
+            hits.chunks_mut(BLOCK * rays as usize).zip(buried.chunks_mut(BLOCK)).enumerate()
+        {
+            progress.report((block * BLOCK) as f32 / map.elements.len().max(1) as f32)?;
+            rows.par_chunks_mut(rays as usize).zip(buried.par_iter_mut()).enumerate().for_each(
+                |(i, (row, buried))| {
+                    let element = block * BLOCK + i;
+                    if map.elements[element].flags & UNSOLVED == 0 {
+                        *buried = gather_row(world, &map, element as u32, seed, row);
+                    }
+                },
+            );
+        }
+        for (element, buried) in map.elements.iter_mut().zip(&buried) {
+            if *buried && element.chart != u32::MAX {
+                element.flags |= UNSOLVED;
+            }
+        }
+        let fills = fills(&map);
+        redirect(&mut map, &mut hits, &fills);
+        let mut transport = Self { map, hits, rays, norm: Vec3::ZERO, fills };
+        let reflectance: Vec<Vec3> = transport.map.elements.iter().map(|e| e.reflectance).collect();
+        transport.norm = transport.gather(&reflectance).into_iter().fold(Vec3::ZERO, Vec3::max);
+        Ok(transport)
+    }
+
+    /// Mean over the hits of every element of a value an element; a sweep of the transport.
+    /// Unsolved elements give zero.
+    ///
+    /// # Panics
+    /// If there is not one value an element.
+    pub fn gather(&self, values: &[Vec3]) -> Vec<Vec3> {
+        assert_eq!(values.len(), self.map.elements.len(), "one value an element");
+        let padded: Vec<Vec3A> =
+            values.iter().map(|v| Vec3A::from(*v)).chain(std::iter::once(Vec3A::ZERO)).collect();
+        let scale = 1.0 / self.rays.max(1) as f32;
+        self.hits
+            .par_chunks(self.rays.max(1) as usize)
+            .with_min_len(64)
+            .map(|row| {
+                Vec3::from(row.iter().fold(Vec3A::ZERO, |sum, &hit| sum + padded[hit as usize]) * scale)
+            })
+            .collect()
+    }
+
+    /// Hits of one element.
+    pub fn row(&self, element: u32) -> &[u32] {
+        &self.hits[element as usize * self.rays as usize..][..self.rays as usize]
+    }
+
+    /// Gives unsolved elements the mean of their solved neighbours.
+    pub fn fill(&self, values: &mut [Vec3]) {
+        for fill in &self.fills {
+            let sum = fill.sources.iter().fold(Vec3::ZERO, |sum, &s| sum + values[s as usize]);
+            values[fill.element as usize] = sum / fill.sources.len().max(1) as f32;
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 4 * f.sources.len()).sum();
+        self.map.bytes() + 4 * self.hits.len() + fills
+    }
+}
+
+/// Hits of one element, and whether it is buried: most rays meet a black back close by.
+fn gather_row(world: &World, map: &SurfaceMap, number: u32, seed: u64, row: &mut [u32]) -> bool {
+    const NEAR_SPACINGS: f32 = 4.0;
+    let element = &map.elements[number as usize];
+    let seed = seed as u32 ^ (seed >> 32) as u32;
+    let (scramble, first) = sequence(map, element, number, seed, row.len() as u32);
+    let frame = frame_from_normal(element.normal);
+    let origin = offset_origin(element.position, element.geometric_normal);
+    let mut near_backs = 0;
+    for (j, hit) in row.iter_mut().enumerate() {
+        let local = cosine_direction(r2_point(first.wrapping_add(j as u32), scramble));
+        let mut direction = frame * local;
+        // Below the facet's own plane there is only the facet: such a direction is mirrored up.
+        let below = direction.dot(element.geometric_normal);
+        if below <= 0.0 {
+            direction -= 2.0 * below * element.geometric_normal;
+        }
+        let Some(found) = world.accel.trace(&Ray::new(origin, direction)) else { continue };
+        let back = world.geometry.area_normal(found.triangle).dot(direction) > 0.0;
+        let blend = map.blend(found.triangle, found.barycentric, back);
+        let xi = unit_f32(hash2(hash2(number, seed), j as u32));
+        let drawn = blend.draw(xi);
+        if drawn == super::lookup::NO_ELEMENTS {
+            near_backs += u32::from(found.t < NEAR_SPACINGS * map.spacing_m);
+        } else {
+            *hit = drawn;
+        }
+    }
+    2 * near_backs > row.len() as u32
+}
+
+/// Scramble and first index of an element's stretch of the R₂ sequence.
+fn sequence(map: &SurfaceMap, element: &Element, number: u32, seed: u32, rays: u32) -> (u32, u32) {
+    if element.chart == u32::MAX {
+        return (hash2(number, seed), 0);
+    }
+    let chart = &map.charts[element.chart as usize];
+    let local = number - chart.first_element;
+    let (x, y) = (local % chart.nx, local / chart.nx);
+    let morton = (x & 1) | ((y & 1) << 1) | ((x & 2) << 1) | ((y & 2) << 2);
+    (hash2(chart.first_element, seed), morton * rays)
+}
+
+/// Where unsolved nodes take their light from: layer by layer outwards from the solved ones.
+fn fills(map: &SurfaceMap) -> Vec<Fill> {
+    let mut fills = Vec::new();
+    for chart in &map.charts {
+        let (nx, ny) = (i64::from(chart.nx), i64::from(chart.ny));
+        let first = chart.first_element as usize;
+        let count = (nx * ny) as usize;
+        let mut known: Vec<bool> =
+            map.elements[first..first + count].iter().map(|e| e.flags & UNSOLVED == 0).collect();
+        if !known.iter().any(|k| *k) {
+            continue;
+        }
+        let mut open: Vec<usize> = (0..count).filter(|&i| !known[i]).collect();
+        while !open.is_empty() {
+            let mut layer = Vec::new();
+            open.retain(|&i| {
+                let (x, y) = (i as i64 % nx, i as i64 / nx);
+                let sources: Vec<u32> = (-1..=1)
+                    .flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
+                    .filter(|&(x, y)| x >= 0 && y >= 0 && x < nx && y < ny)
+                    .map(|(x, y)| (y * nx + x) as usize)
+                    .filter(|&n| known[n])
+                    .map(|n| (first + n) as u32)
+                    .collect();
+                let found = !sources.is_empty();
+                if found {
+                    layer.push(i);
+                    fills.push(Fill { element: (first + i) as u32, sources });
+                }
+                !found
+            });
+            for i in layer {
+                known[i] = true;
+            }
+        }
+    }
+    fills
+}
+
+/// Hits on unsolved elements go to a solved one that lends it light; areas likewise.
+fn redirect(map: &mut SurfaceMap, hits: &mut [u32], fills: &[Fill]) {
+    let mut target: Vec<u32> = (0..=map.elements.len() as u32).collect();
+    for fill in fills {
+        let source = target[fill.sources[fill.sources.len() / 2] as usize];
+        target[fill.element as usize] = source;
+        let area = std::mem::take(&mut map.elements[fill.element as usize].area);
+        map.elements[source as usize].area += area;
+    }
+    if !fills.is_empty() {
+        hits.par_iter_mut().for_each(|hit| *hit = target[*hit as usize]);
+    }
+}

@@ -1,0 +1,336 @@
+//! The surface map: every side of every triangle to the elements that carry its light.
+//!
+//! Flat regions get a grid ([`super::charts`]); curved meshes, and flat bits much smaller than the
+//! spacing, get *vertex elements*: corners of one object and material that lie within half a
+//! spacing and face the same way share one. So the number of elements follows the area of a scene,
+//! not its number of triangles. Not a lightmap atlas: nothing here needs unique texture coordinates.
+//!
+//! Limits: a curved triangle much larger than the spacing is only sampled at its corners; a grid
+//! cell that a thin wall crosses mixes the light of both sides.
+
+use super::{
+    RadiosityError,
+    charts::{Region, regions},
+    lookup::{ElementBlend, SideMap, blend},
+};
+use crate::scene::geometry::Geometry;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use std::collections::HashMap;
+
+/// Node outside its region or buried in a solid: not solved, filled from its neighbours.
+pub const UNSOLVED: u32 = 1;
+
+/// One element.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Element {
+    /// Where its light is gathered, m.
+    pub position: Vec3,
+    /// Area it stands for, m².
+    pub area: f32,
+    /// Unit normal that cosines refer to.
+    pub normal: Vec3,
+    /// 0 or [`UNSOLVED`].
+    pub flags: u32,
+    /// Normal of the plane that rays leave.
+    pub geometric_normal: Vec3,
+    /// Index into [`SurfaceMap::charts`], or `u32::MAX` for a vertex element.
+    pub chart: u32,
+    /// Mean diffuse reflectance over its area.
+    pub reflectance: Vec3,
+    /// Object it belongs to.
+    pub object: u32,
+}
+
+/// A grid of elements on one side of a flat region.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Chart {
+    /// Position of node (0, 0), m.
+    pub origin: Vec3,
+    /// First element; node (x, y) is `first_element + y · nx + x`.
+    pub first_element: u32,
+    /// From a node to the next along u, m.
+    pub step_u: Vec3,
+    /// Nodes along u.
+    pub nx: u32,
+    /// From a node to the next along v, m.
+    pub step_v: Vec3,
+    /// Nodes along v.
+    pub ny: u32,
+}
+
+/// Every side of every triangle, mapped to elements.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceMap {
+    /// Record `2 · triangle + back`.
+    pub sides: Vec<SideMap>,
+    /// The elements.
+    pub elements: Vec<Element>,
+    /// The grids.
+    pub charts: Vec<Chart>,
+    /// Spacing it was built with, m.
+    pub spacing_m: f32,
+}
+
+/// Elements that a spacing chosen from the scene aims to stay below.
+const WANTED_ELEMENTS: usize = 24_000;
+/// Elements above which a scene is refused.
+const MOST_ELEMENTS: usize = 4_000_000;
+
+impl SurfaceMap {
+    /// Lays out the elements of a scene, `spacing_m` apart; without one the spacing is chosen: an
+    /// eightieth of the bounding diagonal, larger where that gives more than 24,000 nodes.
+    ///
+    /// # Errors
+    /// [`RadiosityError::BadSpacing`], [`RadiosityError::TooManyElements`].
+    pub fn new(geometry: &Geometry, spacing_m: Option<f32>) -> Result<Self, RadiosityError> {
+        let finite = |t: &u32| {
+            geometry.positions[*t as usize].iter().all(|p| p.is_finite())
+                && geometry.area_normal(*t).length_squared() > 0.0
+        };
+        let diagonal = finite_diagonal(geometry);
+        let weld = diagonal * 1e-6;
+        let (mut flat, mut curved) = (Vec::new(), Vec::new());
+        for range in &geometry.object_triangles {
+            let mut of_object: Vec<u32> = range.clone().filter(finite).collect();
+            of_object.sort_by_key(|&t| geometry.material[t as usize]);
+            for same in
+                of_object.chunk_by(|&a, &b| geometry.material[a as usize] == geometry.material[b as usize])
+            {
+                let (r, c) = regions(geometry, same, weld);
+                flat.extend(r);
+                curved.extend(c);
+            }
+        }
+        let spacing = match spacing_m {
+            Some(spacing) if spacing > 0.0 && spacing.is_finite() => spacing,
+            Some(spacing_m) => return Err(RadiosityError::BadSpacing { spacing_m }),
+            None => chosen_spacing(geometry, &flat, diagonal),
+        };
+        let wanted = grid_nodes(geometry, &flat, spacing);
+        if wanted > MOST_ELEMENTS {
+            return Err(RadiosityError::TooManyElements {
+                elements: wanted,
+                most: MOST_ELEMENTS,
+                spacing_m: spacing,
+            });
+        }
+        let mut map =
+            Self { sides: vec![SideMap::NONE; 2 * geometry.len()], spacing_m: spacing, ..Self::default() };
+        for region in &flat {
+            let [nx, ny] = region.nodes(spacing);
+            if nx * ny == 1 {
+                curved.extend(&region.triangles);
+            } else {
+                map.add_grid(geometry, region, [nx, ny]);
+            }
+        }
+        map.add_vertices(geometry, &curved);
+        map.weigh(geometry);
+        Ok(map)
+    }
+
+    /// Elements and weights at a point of a triangle's side; all weights zero where there are none.
+    pub fn blend(&self, triangle: u32, barycentric: Vec2, back: bool) -> ElementBlend {
+        match self.sides.get(2 * triangle as usize + usize::from(back)) {
+            Some(side) => blend(side, barycentric),
+            None => ElementBlend::default(),
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.sides[..]) + size_of_val(&self.elements[..]) + size_of_val(&self.charts[..])
+    }
+
+    fn add_grid(&mut self, geometry: &Geometry, region: &Region, [nx, ny]: [u32; 2]) {
+        let first_triangle = region.triangles[0];
+        let object = geometry.object[first_triangle as usize];
+        let corners: Vec<[Vec2; 3]> = region
+            .triangles
+            .iter()
+            .map(|&t| geometry.positions[t as usize].map(|p| region.plane_coordinates(p)))
+            .collect();
+        let cells = Vec2::new(nx.max(2) as f32 - 1.0, ny.max(2) as f32 - 1.0);
+        let step = region.extent / cells;
+        let single = [nx == 1, ny == 1];
+        let inset = (0.02 * self.spacing_m).min(0.2 * region.extent.min_element());
+        let place = |x: u32, y: u32| {
+            let q = Vec2::new(x as f32, y as f32) * step;
+            let middle = 0.5 * region.extent;
+            Vec2::new(if single[0] { middle.x } else { q.x }, if single[1] { middle.y } else { q.y })
+        };
+        let mut nodes = Vec::with_capacity((nx * ny) as usize);
+        for y in 0..ny {
+            for x in 0..nx {
+                let border = Vec2::splat(inset).min(0.5 * region.extent);
+                let wanted = place(x, y).clamp(border, region.extent - border);
+                let (inside, distance) = region.nearest_inside(&corners, wanted, inset);
+                let flags = if distance > 1.01 * step.length() + 2.0 * inset { UNSOLVED } else { 0 };
+                nodes.push((region.point(inside), flags));
+            }
+        }
+        let sides = if geometry.material_of(first_triangle).double_sided { 2 } else { 1 };
+        for back in 0..sides {
+            let normal = if back == 0 { region.normal } else { -region.normal };
+            let (chart, first) = (self.charts.len() as u32, self.elements.len() as u32);
+            self.charts.push(Chart {
+                origin: region.point(place(0, 0)),
+                first_element: first,
+                step_u: region.axes[0] * step.x,
+                nx,
+                step_v: region.axes[1] * step.y,
+                ny,
+            });
+            self.elements.extend(nodes.iter().map(|&(position, flags)| Element {
+                position,
+                normal,
+                geometric_normal: normal,
+                flags,
+                chart,
+                object,
+                ..Element::default()
+            }));
+            for (&t, corners) in region.triangles.iter().zip(&corners) {
+                let grid = corners.map(|q| {
+                    let g = q / step;
+                    Vec2::new(if single[0] { 0.0 } else { g.x }, if single[1] { 0.0 } else { g.y })
+                });
+                self.sides[2 * t as usize + back] = SideMap::grid(first, nx, ny, grid);
+            }
+        }
+    }
+
+    /// One element for the corners of an object and material that share a cell of half a spacing
+    /// and an octant-sized bucket of normals.
+    fn add_vertices(&mut self, geometry: &Geometry, triangles: &[u32]) {
+        type Key = (u32, u32, bool, [i64; 3], [i32; 2]);
+        let mut found: HashMap<Key, u32> = HashMap::new();
+        let cell = 0.5 * self.spacing_m;
+        let first = self.elements.len();
+        for &t in triangles {
+            let i = t as usize;
+            let front = geometry.area_normal(t).normalize_or(Vec3::Y);
+            let [a, b, c] = geometry.positions[i];
+            let centroid = (a + b + c) / 3.0;
+            let sides = if geometry.material_of(t).double_sided { 2 } else { 1 };
+            for back in 0..sides {
+                let sign = if back == 0 { 1.0 } else { -1.0 };
+                let mut ids = [0; 3];
+                for (corner, id) in ids.iter_mut().enumerate() {
+                    let p = geometry.positions[i][corner];
+                    let shading = geometry.normals[i][corner];
+                    let shading = if shading.dot(front) > 0.2 { shading } else { front };
+                    let key = (
+                        geometry.object[i],
+                        geometry.material[i],
+                        back == 1,
+                        (p / cell).floor().to_array().map(|x| x as i64),
+                        normal_bucket(shading),
+                    );
+                    *id = *found.entry(key).or_insert_with(|| {
+                        self.elements.push(Element {
+                            position: p.lerp(centroid, 0.15),
+                            geometric_normal: front * sign,
+                            chart: u32::MAX,
+                            object: geometry.object[i],
+                            ..Element::default()
+                        });
+                        self.elements.len() as u32 - 1
+                    });
+                    self.elements[*id as usize].normal += shading * sign;
+                }
+                self.sides[2 * i + back] = SideMap::vertices(ids);
+            }
+        }
+        for element in &mut self.elements[first..] {
+            element.normal = element.normal.normalize_or(element.geometric_normal);
+        }
+    }
+
+    /// Areas and mean reflectances, by points spread over every triangle.
+    fn weigh(&mut self, geometry: &Geometry) {
+        let mut weighted = vec![Vec3::ZERO; self.elements.len()];
+        for t in 0..geometry.len() as u32 {
+            let area = 0.5 * geometry.area_normal(t).length();
+            let textured = geometry.material_of(t).reflectance_texture.is_some();
+            let cells = area / (self.spacing_m * self.spacing_m);
+            let taps = if textured { 16.0 } else { 4.0 };
+            let n = ((cells * taps).sqrt().ceil().clamp(1.0, 512.0)) as u32;
+            let [ta, tb, tc] = geometry.uvs[t as usize];
+            for back in [false, true] {
+                let side = self.sides[2 * t as usize + usize::from(back)];
+                if side == SideMap::NONE {
+                    continue;
+                }
+                let share = area / (n * n) as f32;
+                for barycentric in triangle_points(n) {
+                    let uv =
+                        ta * (1.0 - barycentric.x - barycentric.y) + tb * barycentric.x + tc * barycentric.y;
+                    let reflectance = geometry.material_of(t).reflectance_at(uv, &geometry.textures);
+                    let blend = blend(&side, barycentric);
+                    for (&element, &weight) in blend.elements.iter().zip(&blend.weights) {
+                        if weight > 0.0 {
+                            self.elements[element as usize].area += share * weight;
+                            weighted[element as usize] += reflectance * (share * weight);
+                        }
+                    }
+                }
+            }
+        }
+        for (element, sum) in self.elements.iter_mut().zip(weighted) {
+            element.reflectance = if element.area > 0.0 { sum / element.area } else { Vec3::ZERO };
+        }
+    }
+}
+
+/// Centroids of the n² equal triangles a triangle splits into, as barycentric weights of corners 1 and 2.
+fn triangle_points(n: u32) -> impl Iterator<Item = Vec2> {
+    let step = 1.0 / n as f32;
+    (0..n).flat_map(move |y| {
+        (0..n - y).flat_map(move |x| {
+            let corner = Vec2::new(x as f32, y as f32) * step;
+            let upright = Some(corner + Vec2::splat(step / 3.0));
+            let inverted = (x + y + 1 < n).then(|| corner + Vec2::splat(step * 2.0 / 3.0));
+            upright.into_iter().chain(inverted)
+        })
+    })
+}
+
+/// A cell of a 4×4 grid on the octahedral map of directions.
+fn normal_bucket(n: Vec3) -> [i32; 2] {
+    let p = n.truncate() / n.abs().element_sum().max(f32::MIN_POSITIVE);
+    let folded = (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
+    let square = if n.z < 0.0 { folded } else { p };
+    // Half a cell aside, so that axis-aligned normals do not lie on a border.
+    (square * 2.0 + Vec2::splat(0.5)).floor().to_array().map(|x| x as i32)
+}
+
+fn finite_diagonal(geometry: &Geometry) -> f32 {
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for p in geometry.positions.iter().flatten().filter(|p| p.is_finite()) {
+        (low, high) = (low.min(*p), high.max(*p));
+    }
+    let diagonal = (high - low).length();
+    if diagonal.is_finite() && diagonal > 0.0 { diagonal } else { 1.0 }
+}
+
+fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> usize {
+    flat.iter()
+        .map(|r| {
+            let sides = if geometry.material_of(r.triangles[0]).double_sided { 2 } else { 1 };
+            let [nx, ny] = r.nodes(spacing).map(|n| n as usize);
+            if nx * ny == 1 { 0 } else { nx * ny * sides }
+        })
+        .sum()
+}
+
+fn chosen_spacing(geometry: &Geometry, flat: &[Region], diagonal: f32) -> f32 {
+    let mut spacing = diagonal / 80.0;
+    while grid_nodes(geometry, flat, spacing) > WANTED_ELEMENTS && spacing < diagonal {
+        spacing *= 1.1;
+    }
+    spacing
+}
