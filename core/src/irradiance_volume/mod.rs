@@ -1,15 +1,160 @@
 //! The irradiance volume: light at points in the air, for every direction.
+//!
+//! Idea (Greger 1996; Greger, Shirley, Hubbard and Greenberg 1998). At each sample of a bilevel [`grid`]
+//! the radiance is sampled in 2n² equal bins and turned into the irradiance of 2n² normals by Eq. 4.3
+//! ([`quadrature`]). A surface anywhere in the air is then lit by one lookup: cell, bin, and trilinear
+//! interpolation between eight samples. Direct and indirect light are kept apart, so that a renderer can
+//! take the indirect part here and the direct part, with sharp shadows, from the lamps.
+//!
+//! Where this departs from the thesis, and why:
+//! - Emitters do not go through the bins but through [`direct`]: small luminaires are never missed.
+//! - Rows of Eq. 4.3 are normalised, so that constant radiance reads πL exactly.
+//! - A query interpolates between four bins (a setting of the query): at n = 17 a bin is 8° wide, and
+//!   reading the nearest one costs up to 10 % on the flank of a lamp's cosine.
+//! - Samples inside solids are found by the back faces they see, and are not used while a neighbour is.
+//! - Rays remember which surface element they met, so that new light needs no rays ([`solve`]).
+//!
+//! Limits: light is interpolated between samples, so a shadow edge is as wide as a cell, light leaks by
+//! up to a cell through thin walls, and direct light within a cell of a lamp is off. Solids modelled with
+//! double-sided materials have no back faces to be found by. Not spherical harmonics: the bins hold any
+//! function, show it as it is, and a lookup needs no evaluation of polynomials.
 
-use crate::math::part::Part;
-use glam::Vec3;
+pub mod codec;
+pub mod direct;
+pub mod directions;
+pub mod file;
+pub mod grid;
+pub mod inspect;
+pub mod overlap;
+pub mod probe;
+pub mod quadrature;
+pub mod query;
+pub mod settings;
+pub mod solve;
 
-/// Irradiance at points in the air for every direction, on a bilevel grid.
-#[derive(Clone, Debug, Default)]
-pub struct IrradianceVolume {}
+pub use query::SampleWeights;
+pub use settings::{VolumeError, VolumeSettings};
+pub use solve::SurfaceLight;
+
+use crate::{
+    math::{part::Part, sphere_map::DirectionBins},
+    radiosity::RadiositySolution,
+};
+use codec::Texel;
+use direct::{Arrivals, Centres};
+use directions::Directions;
+use glam::{Affine3A, Vec2, Vec3};
+use grid::BilevelGrid;
+use quadrature::Quadrature;
+use std::sync::Arc;
+
+/// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct IrradianceVolume {
+    settings: VolumeSettings,
+    grid: Arc<BilevelGrid>,
+    samples: Arc<Vec<Sample>>,
+    directions: Arc<Directions>,
+    /// What rays met; `None` when the volume comes from a file.
+    transport: Option<Arc<Transport>>,
+    /// What arrives from each emitter of the world.
+    arrivals: Vec<Arc<Arrivals>>,
+    /// Where objects stood when direct light was asked for.
+    placements: Vec<Affine3A>,
+    tables: Tables,
+}
+
+/// A point where light is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Position, m.
+    pub position: Vec3,
+    /// 1 when it is a corner of the first-level grid, else 2.
+    pub level: u8,
+    /// Share of its rays that met the back of a single-sided surface.
+    pub back_face_fraction: f32,
+    /// Whether queries may use it: few of its rays met backs.
+    pub valid: bool,
+}
+
+/// Irradiance of every bin of every sample, encoded; bin b of sample s is entry s · 2n² + b.
+#[derive(Clone, Debug, PartialEq)]
+struct Tables {
+    direct: Arc<Vec<Texel>>,
+    indirect: Arc<Vec<Texel>>,
+}
+
+/// What stays the same while light changes.
+#[derive(Debug)]
+struct Transport {
+    /// Element of every ray: sample by sample, bin by bin.
+    elements: Vec<u32>,
+    /// Rays of each sample that met an emitting side: number, triangle, texture coordinates.
+    emitters_seen: Vec<Vec<(u32, u32, Vec2)>>,
+    quadrature: Quadrature,
+    centres: Centres,
+}
 
 impl IrradianceVolume {
-    /// Irradiance at a point on a surface facing `normal`, lx per channel.
-    pub fn irradiance(&self, _position: Vec3, _normal: Vec3, _part: Part) -> Vec3 {
-        Vec3::ZERO
+    /// What it was built with.
+    pub fn settings(&self) -> &VolumeSettings {
+        &self.settings
+    }
+
+    /// Layout of the direction bins.
+    pub fn bins(&self) -> DirectionBins {
+        self.directions.bins()
+    }
+
+    /// Cells and levels: what a lookup walks through.
+    pub fn grid(&self) -> &BilevelGrid {
+        &self.grid
+    }
+
+    /// The samples; their numbers are those of [`SampleWeights`].
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Encoded irradiance, bin b of sample s at s · 2n² + b; see [`codec`]. `Part::All` gives the indirect
+    /// table: the sum of both has none of its own.
+    pub fn table(&self, part: Part) -> &[Texel] {
+        match part {
+            Part::Direct => &self.tables.direct,
+            Part::Indirect | Part::All => &self.tables.indirect,
+        }
+    }
+
+    /// Whether [`Self::relight`] can follow the light: it cannot in a volume read from a file.
+    pub fn can_relight(&self) -> bool {
+        self.transport.is_some()
+    }
+
+    /// Bytes of the irradiance of one part: what Greger's 18 MB count.
+    pub fn table_bytes(&self) -> usize {
+        size_of_val(&self.tables.direct[..])
+    }
+
+    /// Bytes held, everything counted.
+    pub fn bytes(&self) -> usize {
+        let transport = self.transport.as_ref().map_or(0, |t| {
+            size_of_val(&t.elements[..])
+                + t.emitters_seen.iter().map(|s| size_of_val(&s[..]) + size_of::<Vec<u32>>()).sum::<usize>()
+        });
+        2 * self.table_bytes()
+            + transport
+            + self.grid.bytes()
+            + size_of_val(&self.samples[..])
+            + self.arrivals.iter().map(|a| a.bytes()).sum::<usize>()
+    }
+}
+
+impl SurfaceLight for RadiositySolution {
+    fn element_at(&self, _triangle: u32, _barycentric: Vec2, _back: bool) -> u32 {
+        solve::NO_ELEMENT
+    }
+
+    fn radiosity(&self) -> &[Vec3] {
+        &[]
     }
 }

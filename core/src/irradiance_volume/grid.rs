@@ -1,0 +1,260 @@
+//! The bilevel grid: where the samples are, and which eight surround a point.
+//!
+//! A first-level grid spans the scene's bounds, a little inside them so that its outermost samples do
+//! not lie in the walls. A first-level cell that holds geometry carries a second-level grid (Greger
+//! 1996, §4.1). Samples, cells and grids are separate structures (§4.3): a sample is one corner of a
+//! fine integer lattice and exists once, however many cells of either level share it.
+//!
+//! Two levels and not a tree: a lookup costs the same everywhere, and one step more where there is
+//! geometry. The price is the thesis's: where a refined cell meets a plain one the interpolated value
+//! jumps, because the refined side has samples on the shared face that the plain side does not use.
+
+use super::overlap::triangle_meets_box;
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+
+/// No second-level grid, or no sample.
+pub const NONE: u32 = u32::MAX;
+
+/// The box between eight samples; corner bit 0 is x, bit 1 y, bit 2 z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// Sample at each corner.
+    pub samples: [u32; 8],
+    /// Bit i is set when sample i may be used: it does not lie inside a solid.
+    pub valid: u8,
+}
+
+/// Where a lookup ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Location {
+    /// Cell number.
+    pub cell: u32,
+    /// Fractional offset in the cell, each in [0, 1] (Greger Eq. 4.6).
+    pub offset: Vec3,
+    /// 1 or 2.
+    pub level: u8,
+}
+
+/// One sample's place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SamplePlace {
+    /// Position, m.
+    pub position: Vec3,
+    /// 1 when it is a corner of the first-level grid, else 2.
+    pub level: u8,
+}
+
+/// Samples, cells and the two levels of grids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BilevelGrid {
+    low: Vec3,
+    high: Vec3,
+    /// First-level cells an axis.
+    size: UVec3,
+    /// Second-level cells an axis.
+    inner: u32,
+    /// First-level cells per metre.
+    scale: Vec3,
+    /// First cell of each first-level cell's second-level grid, or [`NONE`].
+    second: Vec<u32>,
+    /// First-level cells (x fastest), then those of each second-level grid.
+    cells: Vec<Cell>,
+    places: Vec<SamplePlace>,
+}
+
+impl BilevelGrid {
+    /// A grid with `samples` first-level samples an axis over a box; the first-level cells where
+    /// `subdivided` (x fastest) is true carry `second_level`³ samples.
+    ///
+    /// # Panics
+    /// If an axis or `second_level` has fewer than 2 samples, or `subdivided` has another length than
+    /// there are first-level cells.
+    pub fn new(low: Vec3, high: Vec3, samples: UVec3, second_level: u32, subdivided: &[bool]) -> Self {
+        assert!(samples.min_element() >= 2 && second_level >= 2, "a cell needs two samples an axis");
+        let size = samples - UVec3::ONE;
+        let count = size.element_product() as usize;
+        assert_eq!(subdivided.len(), count, "one flag a first-level cell");
+        let inner = second_level - 1;
+        let mut lattice = Lattice::new(low, high, size * inner);
+        let mut cells = Vec::with_capacity(count);
+        for k in 0..samples.z {
+            for j in 0..samples.y {
+                for i in 0..samples.x {
+                    lattice.sample(UVec3::new(i, j, k) * inner, 1);
+                }
+            }
+        }
+        for c in 0..count as u32 {
+            cells.push(lattice.cell(unflatten(c, size) * inner, inner));
+        }
+        let mut second = vec![NONE; count];
+        for c in (0..count).filter(|&c| subdivided[c]) {
+            second[c] = cells.len() as u32;
+            let origin = unflatten(c as u32, size) * inner;
+            for s in 0..inner.pow(3) {
+                cells.push(lattice.cell(origin + unflatten(s, UVec3::splat(inner)), 1));
+            }
+        }
+        let scale = size.as_vec3() / (high - low);
+        Self { low, high, size, inner, scale, second, cells, places: lattice.places }
+    }
+
+    /// Corners of the box it spans, m.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        (self.low, self.high)
+    }
+
+    /// First-level cells an axis.
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// Second-level cells an axis in each refined first-level cell.
+    pub fn inner(&self) -> u32 {
+        self.inner
+    }
+
+    /// Edges of a first-level cell, m.
+    pub fn cell_size(&self) -> Vec3 {
+        (self.high - self.low) / self.size.as_vec3()
+    }
+
+    /// First cell of each first-level cell's second-level grid, or [`NONE`]; x fastest.
+    pub fn second(&self) -> &[u32] {
+        &self.second
+    }
+
+    /// All cells: the first level (x fastest), then each second-level grid.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Where the samples are.
+    pub fn places(&self) -> &[SamplePlace] {
+        &self.places
+    }
+
+    /// Number of second-level grids.
+    pub fn second_level_grids(&self) -> usize {
+        self.second.iter().filter(|&&s| s != NONE).count()
+    }
+
+    /// Marks in every cell which of its samples may be used.
+    pub fn set_valid(&mut self, valid: &[bool]) {
+        for cell in &mut self.cells {
+            cell.valid = (0..8).fold(0, |m, i| m | (u8::from(valid[cell.samples[i] as usize]) << i));
+        }
+    }
+
+    /// The cell that holds a point, and where in it: Greger Eq. 4.4 to 4.6, at the first level and
+    /// then, where there is one, at the second. A point outside is moved to the nearest one inside.
+    pub fn locate(&self, point: Vec3) -> Location {
+        let (x, ox) = axis((point.x - self.low.x) * self.scale.x, self.size.x);
+        let (y, oy) = axis((point.y - self.low.y) * self.scale.y, self.size.y);
+        let (z, oz) = axis((point.z - self.low.z) * self.scale.z, self.size.z);
+        let first = (z * self.size.y + y) * self.size.x + x;
+        let base = self.second[first as usize];
+        if base == NONE {
+            return Location { cell: first, offset: Vec3::new(ox, oy, oz), level: 1 };
+        }
+        let n = self.inner;
+        let (x, ox) = axis(ox * n as f32, n);
+        let (y, oy) = axis(oy * n as f32, n);
+        let (z, oz) = axis(oz * n as f32, n);
+        Location { cell: base + (z * n + y) * n + x, offset: Vec3::new(ox, oy, oz), level: 2 }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.second[..]) + size_of_val(&self.cells[..]) + size_of_val(&self.places[..])
+    }
+}
+
+/// Weights of a cell's eight corners at an offset: products of o and 1 − o; they sum to 1.
+pub fn trilinear(o: Vec3) -> [f32; 8] {
+    let (x, y, z) = ([1.0 - o.x, o.x], [1.0 - o.y, o.y], [1.0 - o.z, o.z]);
+    let yz = [y[0] * z[0], y[1] * z[0], y[0] * z[1], y[1] * z[1]];
+    std::array::from_fn(|i| x[i & 1] * yz[i >> 1])
+}
+
+/// Which first-level cells of a grid hold any of the triangles, x fastest.
+pub fn cells_with_geometry(low: Vec3, high: Vec3, size: UVec3, triangles: &[[Vec3; 3]]) -> Vec<bool> {
+    let cell = (high - low) / size.as_vec3();
+    let last = size.as_ivec3() - IVec3::ONE;
+    let reached = |triangle: &[Vec3; 3]| {
+        let (a, b) = bounds(triangle);
+        let from = ((a - low) / cell).floor().as_ivec3().max(IVec3::ZERO);
+        let to = ((b - low) / cell).floor().as_ivec3().min(last);
+        let mut found = Vec::new();
+        for z in from.z..=to.z {
+            for y in from.y..=to.y {
+                for x in from.x..=to.x {
+                    let at = UVec3::new(x as u32, y as u32, z as u32);
+                    let centre = low + (at.as_vec3() + Vec3::splat(0.5)) * cell;
+                    if triangle_meets_box(*triangle, centre, 0.5 * cell) {
+                        found.push((at.z * size.y + at.y) * size.x + at.x);
+                    }
+                }
+            }
+        }
+        found
+    };
+    let lists: Vec<Vec<u32>> =
+        triangles.par_chunks(4096).map(|chunk| chunk.iter().flat_map(reached).collect()).collect();
+    let mut flags = vec![false; size.element_product() as usize];
+    for c in lists.into_iter().flatten() {
+        flags[c as usize] = true;
+    }
+    flags
+}
+
+fn bounds(triangle: &[Vec3; 3]) -> (Vec3, Vec3) {
+    let [a, b, c] = *triangle;
+    (a.min(b).min(c), a.max(b).max(c))
+}
+
+/// Cell number and fractional offset of Eq. 4.5 and 4.6, clamped to the grid; NaN counts as 0.
+fn axis(q: f32, cells: u32) -> (u32, f32) {
+    let q = q.max(0.0).min(cells as f32);
+    let cell = (q as u32).min(cells - 1);
+    (cell, q - cell as f32)
+}
+
+fn unflatten(index: u32, size: UVec3) -> UVec3 {
+    UVec3::new(index % size.x, index / size.x % size.y, index / (size.x * size.y))
+}
+
+/// The fine lattice that both levels' samples lie on.
+struct Lattice {
+    low: Vec3,
+    step: Vec3,
+    size: UVec3,
+    sample: Vec<u32>,
+    places: Vec<SamplePlace>,
+}
+
+impl Lattice {
+    fn new(low: Vec3, high: Vec3, steps: UVec3) -> Self {
+        let size = steps + UVec3::ONE;
+        let sample = vec![NONE; size.element_product() as usize];
+        Self { low, step: (high - low) / steps.as_vec3(), size, sample, places: Vec::new() }
+    }
+
+    fn sample(&mut self, at: UVec3, level: u8) -> u32 {
+        let slot = ((at.z * self.size.y + at.y) * self.size.x + at.x) as usize;
+        if self.sample[slot] == NONE {
+            self.sample[slot] = self.places.len() as u32;
+            self.places.push(SamplePlace { position: self.low + at.as_vec3() * self.step, level });
+        }
+        self.sample[slot]
+    }
+
+    fn cell(&mut self, origin: UVec3, edge: u32) -> Cell {
+        let samples = std::array::from_fn(|i| {
+            let corner = UVec3::new(i as u32 & 1, i as u32 >> 1 & 1, i as u32 >> 2);
+            self.sample(origin + corner * edge, 2)
+        });
+        Cell { samples, valid: u8::MAX }
+    }
+}

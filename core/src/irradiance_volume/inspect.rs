@@ -1,0 +1,223 @@
+//! What the volume and a probe show: spheres, grid lines, curves and maps, as pure data.
+
+use super::{
+    IrradianceVolume, SurfaceLight,
+    grid::NONE,
+    probe::{Probe, Quantity, emission},
+    solve::element_radiance,
+};
+use crate::{
+    inspection::{InspectionScene, Legend, Line, SphereGlyph},
+    math::{colour::luminance, part::Part},
+    scene::world::World,
+};
+use glam::{UVec3, Vec3};
+
+/// Which samples are shown, and how.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct VolumeView {
+    /// What the spheres are coloured by.
+    pub quantity: Quantity,
+    /// Part of the light.
+    pub part: Part,
+    /// Samples of the first-level grid.
+    pub first_level: bool,
+    /// Samples of the second-level grids alone.
+    pub second_level: bool,
+    /// Samples inside solids too.
+    pub invalid: bool,
+    /// Radius of a sphere as a share of the smallest edge of its cell.
+    pub size: f32,
+    /// Only samples near a plane: axis 0 to 2, and its coordinate, m.
+    pub slice: Option<(u8, f32)>,
+}
+
+impl Default for VolumeView {
+    fn default() -> Self {
+        Self {
+            quantity: Quantity::Irradiance,
+            part: Part::All,
+            first_level: true,
+            second_level: true,
+            invalid: false,
+            size: 0.2,
+            slice: None,
+        }
+    }
+}
+
+/// Spheres at the volume's samples. Radiance is black in a volume that came from a file.
+pub fn volume_spheres(
+    volume: &IrradianceVolume,
+    world: &World,
+    light: &impl SurfaceLight,
+    view: &VolumeView,
+) -> InspectionScene {
+    let cell = volume.grid().cell_size();
+    let edge = cell.min_element();
+    let inner = volume.grid().inner() as f32;
+    let mut scene = InspectionScene { bins: Some(volume.bins()), ..InspectionScene::default() };
+    let mut skipped = 0;
+    for (i, sample) in volume.samples().iter().enumerate() {
+        let level_shown = if sample.level == 1 { view.first_level } else { view.second_level };
+        let in_slice = view.slice.is_none_or(|(axis, at)| {
+            let axis = usize::from(axis.min(2));
+            (sample.position[axis] - at).abs()
+                <= 0.5 * cell[axis] / if view.second_level { inner } else { 1.0 }
+        });
+        if !level_shown || !in_slice {
+            continue;
+        }
+        if !sample.valid && !view.invalid {
+            skipped += 1;
+            continue;
+        }
+        scene.spheres.push(SphereGlyph {
+            centre: sample.position,
+            radius: view.size * edge / if sample.level == 1 { 1.0 } else { inner },
+            first_bin: scene.sphere_bins.len() as u32,
+            sample: i as u32,
+        });
+        scene.sphere_bins.extend(match view.quantity {
+            Quantity::Irradiance => volume.sample_irradiance(i, view.part),
+            Quantity::Radiance => volume.sample_radiance(i, world, light, view.part),
+        });
+    }
+    scene.legend = Some(legend(view.quantity, &scene.sphere_bins));
+    scene.notes.push(format!(
+        "{} of {} samples shown, {skipped} inside solids left out",
+        scene.spheres.len(),
+        volume.samples().len()
+    ));
+    scene
+}
+
+/// Edges of the cells of both levels.
+pub fn grid_lines(volume: &IrradianceVolume, first_level: bool, second_level: bool) -> InspectionScene {
+    const FIRST: Vec3 = Vec3::new(0.85, 0.85, 0.85);
+    const SECOND: Vec3 = Vec3::new(0.9, 0.5, 0.1);
+    let grid = volume.grid();
+    let (low, _) = grid.bounds();
+    let (size, cell, inner) = (grid.size(), grid.cell_size(), grid.inner());
+    let mut scene = InspectionScene::default();
+    if first_level {
+        lattice(&mut scene.lines, low, cell, size, FIRST);
+    }
+    for (c, _) in grid.second().iter().enumerate().filter(|(_, s)| second_level && **s != NONE) {
+        let c = c as u32;
+        let at = UVec3::new(c % size.x, c / size.x % size.y, c / (size.x * size.y));
+        lattice(
+            &mut scene.lines,
+            low + at.as_vec3() * cell,
+            cell / inner as f32,
+            UVec3::splat(inner),
+            SECOND,
+        );
+    }
+    scene.notes.push(format!(
+        "first level {} × {} × {} samples, {} second-level grids of {}³, {} samples together",
+        size.x + 1,
+        size.y + 1,
+        size.z + 1,
+        grid.second_level_grids(),
+        inner + 1,
+        grid.places().len()
+    ));
+    scene
+}
+
+/// A probe's sphere of radius `radius` (m), radial plots, unfolded maps and numbers.
+pub fn probe_scene(probe: &Probe, quantity: Quantity, part: Part, radius: f32) -> InspectionScene {
+    let values = probe.values(quantity, part);
+    let legend = legend(quantity, &values);
+    let s = probe.statistics(part);
+    let mut notes = vec![
+        format!(
+            "illuminance over all directions: {:.4} to {:.4} lx, mean {:.4} lx",
+            s.min_lx, s.max_lx, s.mean_lx
+        ),
+        format!("facing up {:.4} lx, facing down {:.4} lx", s.up_lx, s.down_lx),
+        format!("radiance up to {:.4} cd/m², mean {:.4} cd/m²", s.max_radiance, s.mean_radiance),
+    ];
+    if probe.back_face_fraction > 0.25 {
+        notes.push(format!(
+            "inside a solid: {:.0} % of rays meet back faces",
+            100.0 * probe.back_face_fraction
+        ));
+    }
+    InspectionScene {
+        spheres: vec![SphereGlyph { centre: probe.position, radius, first_bin: 0, sample: u32::MAX }],
+        sphere_bins: values,
+        bins: Some(probe.bins),
+        images: probe.unfolded(quantity, part).into(),
+        curves: probe.radial_plots(quantity, part),
+        legend: Some(legend),
+        notes,
+        ..InspectionScene::default()
+    }
+}
+
+impl IrradianceVolume {
+    /// Radiance coming to one sample from each bin, cd/m² per channel; the direct part is emitters seen.
+    ///
+    /// # Panics
+    /// If there is no such sample.
+    pub fn sample_radiance(
+        &self,
+        sample: usize,
+        world: &World,
+        light: &impl SurfaceLight,
+        part: Part,
+    ) -> Vec<Vec3> {
+        let bins = self.bins().len();
+        let Some(transport) = &self.transport else {
+            return vec![Vec3::ZERO; bins];
+        };
+        let rays = self.settings.supersample as usize;
+        let share = 1.0 / rays as f32;
+        let mut radiance = vec![Vec3::ZERO; bins];
+        if part != Part::Direct {
+            let seen = &transport.elements[sample * bins * rays..][..bins * rays];
+            for (l, seen) in radiance.iter_mut().zip(seen.chunks_exact(rays)) {
+                *l = seen.iter().fold(Vec3::ZERO, |s, &e| s + element_radiance(light.radiosity(), e)) * share;
+            }
+        }
+        if part != Part::Indirect {
+            for &(ray, triangle, uv) in &transport.emitters_seen[sample] {
+                radiance[ray as usize / rays] += emission(world, triangle, uv) * share;
+            }
+        }
+        radiance
+    }
+}
+
+fn legend(quantity: Quantity, values: &[Vec3]) -> Legend {
+    let range = values
+        .iter()
+        .map(|v| luminance(*v))
+        .fold([f32::INFINITY, 0.0f32], |[low, high], v| [low.min(v), high.max(v)]);
+    Legend {
+        quantity: quantity.name().into(),
+        unit: quantity.unit().into(),
+        range: if range[0] <= range[1] { range } else { [0.0, 0.0] },
+    }
+}
+
+/// Lines along each axis through the corners of a block of cells.
+fn lattice(lines: &mut Vec<Line>, low: Vec3, cell: Vec3, size: UVec3, colour: Vec3) {
+    let high = low + size.as_vec3() * cell;
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for i in 0..=size[u] {
+            for j in 0..=size[v] {
+                let mut from = low;
+                from[u] += i as f32 * cell[u];
+                from[v] += j as f32 * cell[v];
+                let mut to = from;
+                to[axis] = high[axis];
+                lines.push(Line { ends: [from, to], colour });
+            }
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! Irradiance of every bin from the radiance of every bin: Greger Eq. 4.3, exactly, at a twelfth of its cost.
+//!
+//! The specification is the N×N product H(ωᵢ) = 4π/N Σⱼ L(ωⱼ) max(0, ωᵢ·ωⱼ), [`irradiance_by_definition`].
+//! [`Quadrature`] computes the same sum from the symmetries of the bins:
+//!
+//! 1. max(0, x) = (x + |x|) / 2. The x half is a dot product with the vector irradiance Σ Lω. The |x|
+//!    half is the same for ω and −ω, so opposite bins are added first: n² unknowns and not 2n².
+//! 2. |ωᵢ·ωⱼ| does not change when both directions are mirrored in x or in z. Splitting the data into
+//!    parts even and odd under the two mirrors leaves four independent products of ⌈n/2⌉² unknowns.
+//!
+//! At n = 17 that is 26,244 multiplications a channel instead of 334,084. Not spherical harmonics: they
+//! would cost as much at order 6 and cut the clamped cosine off there.
+//!
+//! Each row is scaled so that Σⱼ 4π/N max(0, ωᵢ·ωⱼ) is π exactly, which the mid-point rule misses by up to
+//! 1 % at n = 9: constant radiance L then gives πL in every direction.
+
+use crate::math::sphere_map::DirectionBins;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// Samples worked on together.
+pub const BLOCK: usize = 8;
+/// Columns of a block: samples times channels; sample s, channel c is column `c * BLOCK + s`.
+pub const LANES: usize = 3 * BLOCK;
+/// One bin's values in a block.
+pub type Lanes = [f32; LANES];
+
+/// The factored matrix of Eq. 4.3, shared by all samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quadrature {
+    bins: DirectionBins,
+    /// ⌈n/2⌉: rows and columns of a quarter of the square.
+    half: usize,
+    /// Kernel of each parity (x even/odd + 2 × z even/odd), row-major.
+    kernels: [Vec<f32>; 4],
+    /// Centres of the upper bins.
+    centres: Vec<Vec3>,
+    /// 4π/N ½ and each row's normalisation, for the upper bins; the lower ones are the same.
+    scale: Vec<f32>,
+}
+
+/// Eq. 4.3 with normalised rows, written as it stands: irradiance, lx, of radiance in cd/m², one a bin.
+///
+/// # Panics
+/// If there is not one radiance a bin.
+pub fn irradiance_by_definition(bins: DirectionBins, radiance: &[Vec3]) -> Vec<Vec3> {
+    assert_eq!(radiance.len(), bins.len(), "one radiance a bin");
+    let centres: Vec<DVec3> = (0..bins.len()).map(|b| bins.centre(b).as_dvec3()).collect();
+    centres
+        .iter()
+        .map(|wi| {
+            let (mut sum, mut cosines) = (DVec3::ZERO, 0.0);
+            for (wj, l) in centres.iter().zip(radiance) {
+                let cosine = wi.dot(*wj).max(0.0);
+                cosines += cosine;
+                sum += l.as_dvec3() * cosine;
+            }
+            (sum * (PI / cosines)).as_vec3()
+        })
+        .collect()
+}
+
+impl Quadrature {
+    /// Factors the matrix for a number of bins.
+    pub fn new(bins: DirectionBins) -> Self {
+        let n = bins.n() as usize;
+        let half = n.div_ceil(2);
+        let centres: Vec<Vec3> = (0..n * n).map(|b| bins.centre(b)).collect();
+        let exact: Vec<DVec3> = centres.iter().map(|c| c.as_dvec3()).collect();
+        let kernels = std::array::from_fn(|parity| {
+            let mut kernel = Vec::with_capacity(half.pow(4));
+            for a in 0..half * half {
+                let wa = exact[a / half * n + a % half];
+                for b in 0..half * half {
+                    let images = images(b % half, b / half, n);
+                    let mut sum = 0.0;
+                    for (i, &image) in images.iter().enumerate() {
+                        if !images[..i].contains(&image) {
+                            sum += f64::from(sign(parity, i)) * wa.dot(exact[image]).abs();
+                        }
+                    }
+                    kernel.push(sum as f32);
+                }
+            }
+            kernel
+        });
+        let scale = exact
+            .iter()
+            .map(|wi| {
+                // Σ max(0, ·) over a bin and its opposite is |·|.
+                let cosines: f64 = exact.iter().map(|wj| wi.dot(*wj).abs()).sum();
+                (0.5 * PI / cosines) as f32
+            })
+            .collect();
+        Self { bins, half, kernels, centres, scale }
+    }
+
+    /// The bins it is for.
+    pub fn bins(&self) -> DirectionBins {
+        self.bins
+    }
+
+    /// Irradiance of a block of samples, lx, from their radiance, cd/m²: one [`Lanes`] a bin.
+    ///
+    /// # Panics
+    /// If there is not one entry a bin on both sides.
+    pub fn irradiance(&self, radiance: &[Lanes], out: &mut [Lanes]) {
+        let (n, half) = (self.bins.n() as usize, self.half);
+        let side = n * n;
+        assert!(radiance.len() == 2 * side && out.len() == 2 * side, "one entry a bin");
+        let (upper, lower) = radiance.split_at(side);
+
+        let mut vector = [[0.0f32; LANES]; 3];
+        for (bin, centre) in self.centres.iter().enumerate() {
+            let (u, l) = (&upper[bin], &lower[side - 1 - bin]);
+            for lane in 0..LANES {
+                let difference = u[lane] - l[lane];
+                vector[0][lane] += centre.x * difference;
+                vector[1][lane] += centre.y * difference;
+                vector[2][lane] += centre.z * difference;
+            }
+        }
+
+        let quarter = half * half;
+        let mut split: [Vec<Lanes>; 4] = std::array::from_fn(|_| vec![[0.0; LANES]; quarter]);
+        for b in 0..quarter {
+            let images = images(b % half, b / half, n);
+            let folded = images.map(|i| add(&upper[i], &lower[side - 1 - i]));
+            for (parity, part) in split.iter_mut().enumerate() {
+                for lane in 0..LANES {
+                    let sum: f32 = (0..4).map(|i| sign(parity, i) * folded[i][lane]).sum();
+                    part[b][lane] = 0.25 * sum;
+                }
+            }
+        }
+
+        let mut parts: [Vec<Lanes>; 4] = std::array::from_fn(|_| vec![[0.0; LANES]; quarter]);
+        for parity in 0..4 {
+            product(&self.kernels[parity], &split[parity], &mut parts[parity]);
+        }
+
+        for a in 0..quarter {
+            for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
+                let (w, scale) = (self.centres[image], self.scale[image]);
+                for lane in 0..LANES {
+                    let even: f32 = (0..4).map(|parity| sign(parity, i) * parts[parity][a][lane]).sum();
+                    let odd = w.x * vector[0][lane] + w.y * vector[1][lane] + w.z * vector[2][lane];
+                    out[image][lane] = (scale * (even + odd)).max(0.0);
+                    out[2 * side - 1 - image][lane] = (scale * (even - odd)).max(0.0);
+                }
+            }
+        }
+    }
+}
+
+/// A cell of the square and its mirror images: itself, in x, in z, in both.
+fn images(column: usize, row: usize, n: usize) -> [usize; 4] {
+    let (mc, mr) = (n - 1 - column, n - 1 - row);
+    [row * n + column, row * n + mc, mr * n + column, mr * n + mc]
+}
+
+/// Sign that image `i` has in a part of the given parity.
+const fn sign(parity: usize, i: usize) -> f32 {
+    if (parity & i).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+}
+
+fn add(a: &Lanes, b: &Lanes) -> Lanes {
+    std::array::from_fn(|lane| a[lane] + b[lane])
+}
+
+/// Dense product, three rows at a time so that the sums stay in registers.
+fn product(kernel: &[f32], data: &[Lanes], out: &mut [Lanes]) {
+    const ROWS: usize = 3;
+    let columns = data.len();
+    for (rows, out) in kernel.chunks(ROWS * columns).zip(out.chunks_mut(ROWS)) {
+        if out.len() == ROWS {
+            let (r0, rest) = rows.split_at(columns);
+            let (r1, r2) = rest.split_at(columns);
+            let mut sums = [[0.0f32; LANES]; ROWS];
+            for (((d, k0), k1), k2) in data.iter().zip(r0).zip(r1).zip(r2) {
+                for lane in 0..LANES {
+                    sums[0][lane] = k0.mul_add(d[lane], sums[0][lane]);
+                    sums[1][lane] = k1.mul_add(d[lane], sums[1][lane]);
+                    sums[2][lane] = k2.mul_add(d[lane], sums[2][lane]);
+                }
+            }
+            out.copy_from_slice(&sums);
+        } else {
+            for (row, out) in rows.chunks(columns).zip(out) {
+                *out = [0.0; LANES];
+                for (d, k) in data.iter().zip(row) {
+                    for lane in 0..LANES {
+                        out[lane] = k.mul_add(d[lane], out[lane]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Rng;
+
+    #[test]
+    fn factored_product_is_the_definition() {
+        for n in [1, 2, 3, 9, 16, 17] {
+            let bins = DirectionBins::new(n);
+            let mut rng = Rng::new(7, u64::from(n));
+            let columns: Vec<Vec<Vec3>> = (0..BLOCK)
+                .map(|_| {
+                    (0..bins.len()).map(|_| Vec3::from_array([(); 3].map(|()| rng.next_f32()))).collect()
+                })
+                .collect();
+            let radiance: Vec<Lanes> = (0..bins.len())
+                .map(|b| std::array::from_fn(|lane| columns[lane % BLOCK][b][lane / BLOCK]))
+                .collect();
+            let mut out = vec![[0.0; LANES]; bins.len()];
+            Quadrature::new(bins).irradiance(&radiance, &mut out);
+            for (s, column) in columns.iter().enumerate() {
+                for (b, wanted) in irradiance_by_definition(bins, column).into_iter().enumerate() {
+                    for c in 0..3 {
+                        // Sums of some hundred terms in f32.
+                        let got = out[b][c * BLOCK + s];
+                        assert!((got - wanted[c]).abs() < 2e-5, "n = {n}, bin {b}: {got} for {}", wanted[c]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constant_radiance_reads_pi_times_itself() {
+        for n in [1, 9, 17, 29] {
+            let bins = DirectionBins::new(n);
+            let mut out = vec![[0.0; LANES]; bins.len()];
+            Quadrature::new(bins).irradiance(&vec![[2.0; LANES]; bins.len()], &mut out);
+            for value in out.iter().flatten() {
+                assert!((value / (2.0 * std::f32::consts::PI) - 1.0).abs() < 1e-5, "n = {n}: {value}");
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What a volume is built with, and what can go wrong.
+
+use super::grid::{BilevelGrid, cells_with_geometry};
+use crate::{math::progress::Cancelled, scene::world::World};
+use glam::{UVec3, Vec3};
+use std::path::PathBuf;
+
+/// What an irradiance volume is built with.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct VolumeSettings {
+    /// First-level samples an axis, at least 2 each; chosen from the scene when `None`.
+    pub samples: Option<[u32; 3]>,
+    /// Samples over both levels that the automatic choice stays within; 2,287 is Greger's office (§5.1.1).
+    pub target_samples: u32,
+    /// Second-level samples an axis in a cell with geometry, 2 to 9; the thesis uses 3.
+    pub second_level: u32,
+    /// Rows and columns of direction bins a hemisphere, 1 to 128; 17 gives 578 bins.
+    pub bins_n: u32,
+    /// Radiance rays a bin, 1 to 256; 1 goes through its centre.
+    pub supersample: u32,
+    /// Shadow rays a luminous surface at least, from each sample.
+    pub direct_samples: u32,
+    /// Seed of the jitter.
+    pub seed: u64,
+    /// Share of a sample's rays that may hit back faces before it counts as inside a solid.
+    pub back_face_limit: f32,
+}
+
+impl Default for VolumeSettings {
+    fn default() -> Self {
+        Self {
+            samples: None,
+            target_samples: 2_287,
+            second_level: 3,
+            bins_n: 17,
+            supersample: 1,
+            direct_samples: 16,
+            seed: 0,
+            back_face_limit: 0.25,
+        }
+    }
+}
+
+/// Why there is no volume.
+#[derive(Debug, thiserror::Error)]
+pub enum VolumeError {
+    /// A setting is out of range.
+    #[error("irradiance volume: {name} is {value}, must lie in {range}")]
+    Setting {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// The scene has no extent to put a grid into.
+    #[error("irradiance volume: the scene's bounds are not finite or empty: {low} m to {high} m")]
+    Bounds {
+        /// Smallest corner.
+        low: Vec3,
+        /// Largest corner.
+        high: Vec3,
+    },
+    /// The user stopped it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A file cannot be read or written.
+    #[error("{path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file is not a volume.
+    #[error("{path}: not a lumenscope irradiance volume: {reason}")]
+    Format {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl VolumeSettings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`VolumeError::Setting`] naming the first setting out of range.
+    pub fn check(&self) -> Result<(), VolumeError> {
+        let within = |name, value: u32, low: u32, high: u32, range| {
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                Err(VolumeError::Setting { name, value: value.to_string(), range })
+            }
+        };
+        for axis in self.samples.into_iter().flatten() {
+            within("samples an axis", axis, 2, 200, "2 to 200")?;
+        }
+        within("target_samples", self.target_samples, 8, 1_000_000, "8 to 1,000,000")?;
+        within("second_level", self.second_level, 2, 9, "2 to 9")?;
+        within("bins_n", self.bins_n, 1, 128, "1 to 128")?;
+        within("supersample", self.supersample, 1, 256, "1 to 256")?;
+        within("direct_samples", self.direct_samples, 1, 1024, "1 to 1024")?;
+        if !(self.back_face_limit >= 0.0) {
+            let value = self.back_face_limit.to_string();
+            return Err(VolumeError::Setting { name: "back_face_limit", value, range: "0 to 1" });
+        }
+        Ok(())
+    }
+
+    /// The grid for a scene.
+    ///
+    /// It spans the bounds less 5 cm, or 2 % of an axis where that is smaller, on each side. Where no
+    /// number of samples is given, cells are near cubes, as small as `target_samples` allows but with
+    /// at most 16 along the longest axis.
+    ///
+    /// # Errors
+    /// [`VolumeError::Setting`] and [`VolumeError::Bounds`].
+    pub fn grid(&self, world: &World) -> Result<BilevelGrid, VolumeError> {
+        self.check()?;
+        let (low, high) = world.geometry.bounds();
+        let extent = high - low;
+        if !(low.is_finite() && high.is_finite() && extent.is_finite() && extent.max_element() > 0.0) {
+            return Err(VolumeError::Bounds { low, high });
+        }
+        // A flat scene still needs cells with a volume.
+        let thin = Vec3::splat(0.01 * extent.max_element());
+        let (low, high) =
+            (low - 0.5 * (thin - extent).max(Vec3::ZERO), high + 0.5 * (thin - extent).max(Vec3::ZERO));
+        let inset = (0.02 * (high - low)).min(Vec3::splat(0.05));
+        let (low, high) = (low + inset, high - inset);
+        let make = |samples: UVec3| {
+            let flags = cells_with_geometry(low, high, samples - UVec3::ONE, &world.geometry.positions);
+            BilevelGrid::new(low, high, samples, self.second_level, &flags)
+        };
+        if let Some(samples) = self.samples {
+            return Ok(make(samples.into()));
+        }
+        let extent = high - low;
+        let cells = |along: u32| {
+            let edge = extent.max_element() / along as f32;
+            (extent / edge).round().max(Vec3::ONE).as_uvec3() + UVec3::ONE
+        };
+        let mut best = make(cells(1));
+        let (mut fits, mut fails) = (1, 17);
+        while fails - fits > 1 {
+            let middle = (fits + fails) / 2;
+            let samples = cells(middle);
+            let first_level = samples.element_product();
+            let grid = if first_level > self.target_samples { None } else { Some(make(samples)) };
+            match grid.filter(|g| g.places().len() <= self.target_samples as usize) {
+                Some(grid) => (fits, best) = (middle, grid),
+                None => fails = middle,
+            }
+        }
+        Ok(best)
+    }
+}
