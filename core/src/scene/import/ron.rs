@@ -160,6 +160,9 @@ fn add_area_lamp(
     if u.cross(v).normalize_or_zero() == Vec3::ZERO {
         return Err(SceneError::value(path, owner(), "area in m²", 0.0));
     }
+    if entry.radiance == Vec3::ZERO {
+        scene.warnings.push(format!("area lamp of no light: {}", entry.name));
+    }
     let mut emission_texture = None;
     if let Some(file) = &entry.texture {
         let read =
