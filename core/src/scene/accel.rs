@@ -1,12 +1,17 @@
 //! Rays against the scene: one tree for what stands still, one a movable object.
 //!
 //! The tree is obvhs's BVH2. Not its faster CWBVH: that one drops hits nearer than 1e-4 world
-//! units. A moved object costs a new matrix, not a new tree.
+//! units. Nodes are padded against the rounding of the slab test, and triangles are tested without
+//! gaps between them. A moved object costs a new matrix, not a new tree.
 
-use super::geometry::Geometry;
+use super::{
+    geometry::Geometry,
+    watertight::{Shear, slab_ray},
+};
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams,
+    aabb::Aabb,
     bvh2::{Bvh2, builder::build_bvh2_from_tris},
     ray::RayHit,
     triangle::Triangle,
@@ -164,7 +169,8 @@ impl Tree {
         } else {
             BvhBuildParams::slow_build()
         };
-        let bvh = build_bvh2_from_tris(&corners, parameters, &mut Default::default());
+        let mut bvh = build_bvh2_from_tris(&corners, parameters, &mut Default::default());
+        pad(&mut bvh);
         let order = |i: &u32| *i as usize;
         Self {
             corners: bvh.primitive_indices.iter().map(|i| corners[order(i)]).collect(),
@@ -175,10 +181,11 @@ impl Tree {
 
     fn trace(&self, ray: &Ray, best: Option<Hit>) -> Option<Hit> {
         let t_max = best.map_or(ray.t_max, |b| b.t);
-        let inner = obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, t_max);
+        let shear = Shear::new(ray.origin, ray.direction);
+        let inner = slab_ray(ray.origin, ray.direction, ray.t_min, t_max);
         let mut hit = RayHit::none();
-        let found = self.bvh.ray_traverse(inner, &mut hit, |r, i| self.corners[i].intersect(r));
-        if !found || hit.primitive_id == obvhs::ray::INVALID_ID {
+        self.bvh.ray_traverse(inner, &mut hit, |r, i| shear.intersect(&self.corners[i], r.tmin, r.tmax));
+        if hit.primitive_id == obvhs::ray::INVALID_ID {
             return best;
         }
         let i = hit.primitive_id as usize;
@@ -187,8 +194,23 @@ impl Tree {
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        let inner = obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max);
-        !self.bvh.ray_traverse_miss(inner, |r, i| self.corners[i].intersect(r))
+        let shear = Shear::new(ray.origin, ray.direction);
+        let inner = slab_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
+        !self.bvh.ray_traverse_miss(inner, |r, i| shear.intersect(&self.corners[i], r.tmin, r.tmax))
+    }
+}
+
+/// Grows every node by four units of rounding of the largest coordinate. A slab's t is the difference
+/// of two coordinates times a reciprocal, three roundings, so a ray that starts within the tree's own
+/// size of it never misses the box of a triangle that it hits, flat boxes included.
+fn pad(bvh: &mut Bvh2) {
+    let Some(root) = bvh.nodes.first() else { return };
+    let largest = root.aabb().min.abs().max(root.aabb().max.abs()).max_element();
+    let size = largest.max(root.aabb().diagonal().max_element());
+    let margin = Vec3A::splat(4.0 * f32::EPSILON * size);
+    for node in &mut bvh.nodes {
+        let aabb = *node.aabb();
+        node.set_aabb(Aabb::new(aabb.min - margin, aabb.max + margin));
     }
 }
 
