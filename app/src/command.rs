@@ -1,6 +1,9 @@
 //! Commands: the only way a panel or the viewport changes anything.
 
-use crate::session::{Document, View};
+use crate::{
+    examples::Example,
+    session::{Document, View},
+};
 use glam::Affine3A;
 use lumenscope_core::scene::Target;
 use std::path::PathBuf;
@@ -8,10 +11,24 @@ use std::path::PathBuf;
 /// One thing the user asked for.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Put a target somewhere; while `dragging`, successive ones merge into one undo step.
-    Place { target: Target, placement: Affine3A, dragging: bool },
-    /// Dim a target; while `dragging`, successive ones merge into one undo step.
-    Dim { target: Target, dimmer: f32, dragging: bool },
+    /// Put a target somewhere.
+    Place {
+        /// What is put.
+        target: Target,
+        /// Where.
+        placement: Affine3A,
+        /// Whether more of the same is to come: successive ones merge into one undo step.
+        dragging: bool,
+    },
+    /// Dim a target.
+    Dim {
+        /// What is dimmed.
+        target: Target,
+        /// Factor on its emission.
+        dimmer: f32,
+        /// Whether more of the same is to come: successive ones merge into one undo step.
+        dragging: bool,
+    },
     /// A drag ended: the next edit is its own undo step.
     EndDrag,
     /// Change how the scene is looked at.
@@ -22,8 +39,10 @@ pub enum Command {
     Redo,
     /// Open a scene or session file.
     Open(PathBuf),
-    /// Open the example that is built in.
-    OpenExample,
+    /// Open an example.
+    OpenExample(Example),
+    /// Add a model file to the open scene, as movable objects.
+    AddModel(PathBuf),
     /// Save the session.
     SaveSession(PathBuf),
     /// Replace the whole document.
@@ -36,4 +55,38 @@ pub enum Command {
     StartReference,
     /// Stop the work in progress.
     Cancel,
+    /// Ask for a file, then do something with it.
+    Dialog(Dialog),
+    /// Change the window, not the session.
+    Window(Window),
+}
+
+/// What a file is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialog {
+    /// A scene or session to open.
+    Open,
+    /// A model to add.
+    AddModel,
+    /// Where to save the session.
+    SaveSession,
+    /// Where to write the picture.
+    ExportPicture,
+    /// Where to write the layers.
+    ExportLayers,
+}
+
+/// What can be changed about the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Window {
+    /// Show or hide the help.
+    Help,
+    /// Show or hide every panel but the viewport.
+    Panels,
+    /// Put the panels back where they were at first.
+    ResetPanels,
+    /// Dark or light.
+    Theme,
+    /// Close the window.
+    Quit,
 }

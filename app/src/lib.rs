@@ -1,6 +1,22 @@
 //! The lumenscope program: its window, its panels and its command line.
 
+pub mod app;
 pub mod command;
+pub mod document;
+pub mod examples;
+pub mod export;
+pub mod exposure;
+pub mod history;
+pub mod journal;
+pub mod panels;
+pub mod pipeline;
 pub mod session;
+pub mod session_file;
+pub mod theme;
 pub mod viewport;
 pub mod widgets;
+pub mod window;
+pub mod worker;
+
+pub use app::LumenscopeApp;
+pub use window::run_window;

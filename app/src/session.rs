@@ -1,123 +1,294 @@
-//! The session: the open scene, what the user changed in it, and how it is looked at.
+//! The session: a document with the scene it names, the light in it, and the way commands change both.
+//!
+//! No window, no threads and no files here: [`Session::apply`] changes what can be changed at once and
+//! returns [`Effect`]s for the rest, so that a test can throw commands at it. Not a store of callbacks:
+//! data goes down to the panels, commands come up.
 
-use glam::{Affine3A, Vec3};
-use lumenscope_core::{
-    math::part::Part,
-    scene::{Target, camera::Camera},
-    superposition::composite::{DirectQuality, Display},
+pub use crate::document::{Compare, Document, Edits, View, VolumeView};
+
+use crate::{
+    command::{Command, Dialog, Window},
+    document::{dim_problem, exists, place_problem},
+    examples::Example,
+    history::{History, Key},
+    journal::Journal,
+    widgets::Probe,
 };
-use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::PathBuf};
+use lumenscope_core::{
+    math::image::LinearImage,
+    scene::{Scene, Target},
+    transport::LightTransportSolution,
+};
+use std::{path::PathBuf, sync::Arc};
 
-/// Everything a session file holds. Edits are undone and redone; the view is not.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Document {
-    /// Scene file; `None` for the example built in.
-    pub scene: Option<PathBuf>,
-    /// What the user changed in the scene.
-    pub edits: Edits,
-    /// How it is looked at.
-    pub view: View,
+/// A document with the scene it names and the light in it.
+#[derive(Default)]
+pub struct Session {
+    /// What a session file would hold.
+    pub document: Document,
+    /// File it was saved to or opened from.
+    pub file: Option<PathBuf>,
+    /// Undo and redo of the document's edits.
+    pub history: History,
+    /// The scene as its files say.
+    pub base: Option<Arc<Scene>>,
+    /// The scene with the edits made.
+    pub scene: Option<Arc<Scene>>,
+    /// Its light, possibly of an earlier edit.
+    pub solution: Option<Arc<LightTransportSolution>>,
+    /// The reference picture so far, cd/m².
+    pub reference: Option<Reference>,
+    /// The open spheres.
+    pub probe: Option<Arc<Probe>>,
+    /// What happened.
+    pub log: Journal,
+    saved: Document,
 }
 
-/// What the user changed in the scene; whatever is not listed is as the file says.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Edits {
-    /// New placements.
-    pub placements: BTreeMap<Target, Affine3A>,
-    /// New dimmers.
-    pub dimmers: BTreeMap<Target, f32>,
+/// The reference picture so far.
+#[derive(Clone)]
+pub struct Reference {
+    /// Mean of the samples, cd/m².
+    pub image: Arc<LinearImage>,
+    /// Samples a pixel.
+    pub samples: u32,
 }
 
-/// How the scene is looked at.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct View {
-    /// Camera of the viewport.
-    pub camera: Camera,
-    /// Exposure, tone, false colour.
-    pub display: Display,
-    /// Whether exposure follows the picture.
-    pub auto_exposure: bool,
-    /// Weight of each layer, in the order of `Layer::ALL`.
-    pub weights: [f32; 3],
-    /// Direct light a pixel, when at rest.
-    pub direct: DirectQuality,
-    /// Picture, reference or difference.
-    pub compare: Compare,
-    /// The volume shown as spheres.
-    pub volume: VolumeView,
-    /// What is selected.
-    pub selected: Option<Target>,
-    /// The point whose spheres are open: position and normal.
-    pub probe: Option<(Vec3, Vec3)>,
-    /// Rows of bins a hemisphere in the sphere inspector.
-    pub probe_bins_n: u32,
-    /// Part of the light in the sphere inspector.
-    pub probe_part: Part,
-    /// Ids of the inspection views switched on (see `registry`).
-    pub views: Vec<String>,
-}
-
-/// What fills the viewport.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Compare {
-    /// The superposition renderer's picture.
-    #[default]
-    Picture,
-    /// The path tracer's.
+/// What a command asks for that the session itself cannot do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Load a scene or session file.
+    Load(PathBuf),
+    /// Load the document again, now with other models in it.
+    Reload(Box<Document>),
+    /// Load an example.
+    LoadExample(Example),
+    /// The scene changed: let the light follow. `dragging` while more of the same is to come.
+    Follow {
+        /// Whether more of the same is to come.
+        dragging: bool,
+    },
+    /// The probe moved: sample it anew.
+    Probe,
+    /// Path-trace the view, from the start if the view or scene changed.
     Reference,
-    /// Luminance difference, false colour.
-    Difference,
+    /// Forget the reference.
+    DropReference,
+    /// Write the session.
+    Save(PathBuf),
+    /// Write the picture as PNG.
+    ExportPicture(PathBuf),
+    /// Write the layers as EXR.
+    ExportLayers(PathBuf),
+    /// Stop the work in progress.
+    Cancel,
+    /// Ask for a file.
+    Dialog(Dialog),
+    /// Change the window.
+    Window(Window),
 }
 
-/// The volume shown as spheres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct VolumeView {
-    /// Whether it is shown.
-    pub shown: bool,
-    /// Radius of a sphere as a share of its cell.
-    pub size: f32,
-    /// Show first-level samples.
-    pub first_level: bool,
-    /// Show second-level samples.
-    pub second_level: bool,
-    /// Part of the light shown.
-    pub part: Part,
-    /// Radiance instead of irradiance.
-    pub radiance: bool,
-    /// Only the samples of one slice: axis 0, 1, 2 and height in [0, 1].
-    pub slice: Option<(u8, f32)>,
-}
+impl Session {
+    /// Whether there is something a save would keep.
+    pub fn is_dirty(&self) -> bool {
+        self.document.edits != self.saved.edits || self.document.added != self.saved.added
+    }
 
-impl Default for VolumeView {
-    fn default() -> Self {
-        Self {
-            shown: false,
-            size: 0.25,
-            first_level: true,
-            second_level: true,
-            part: Part::All,
-            radiance: false,
-            slice: None,
+    /// Whether the light belongs to the scene with the edits made.
+    pub fn is_lit_as_edited(&self) -> bool {
+        match (&self.solution, &self.scene) {
+            (Some(solution), Some(scene)) => Arc::ptr_eq(&solution.scene, scene),
+            _ => false,
+        }
+    }
+
+    /// Luminous flux of a lamp as it is dimmed now, lm (lx for parallel light).
+    pub fn flux(&self, target: Target) -> Option<f32> {
+        let (solution, scene) = (self.solution.as_ref()?, self.scene.as_ref()?);
+        let dimmer = |scene: &Scene| match target {
+            Target::Object(i) => scene.objects.get(i).map(|o| o.dimmer),
+            Target::Lamp(i) => scene.lamps.get(i).map(|l| l.dimmer),
+        };
+        let (was, is) = (dimmer(&solution.scene)?, dimmer(scene)?);
+        let list = &solution.world.emitters.list;
+        let flux: f32 = list.iter().filter(|e| e.target() == target).map(|e| e.flux()).sum();
+        if was == is { Some(flux) } else { (was > 0.0).then(|| flux * is / was) }
+    }
+
+    /// Marks the document as written to `file`.
+    pub fn set_saved(&mut self, file: PathBuf) {
+        self.file = Some(file);
+        self.saved = self.document.clone();
+    }
+
+    /// Takes a scene that has been loaded for `document`; a document that names no camera of its own
+    /// (`fresh`) takes the scene's.
+    pub fn open(&mut self, mut document: Document, scene: Arc<Scene>, file: Option<PathBuf>, fresh: bool) {
+        for line in document.edits.retain_valid(&scene) {
+            self.log.warn(line);
+        }
+        if fresh {
+            document.view = View { camera: scene.camera, ..View::default() };
+        }
+        if !document.view.is_finite() {
+            self.log.warn("the view in the session file was not usable: the scene's own view is shown");
+            document.view = View { camera: scene.camera, ..View::default() };
+        }
+        document.view.selected = document.view.selected.filter(|&t| exists(&scene, t));
+        self.scene = Some(Arc::new(document.edits.applied(&scene)));
+        self.base = Some(scene);
+        self.saved = document.clone();
+        self.document = document;
+        self.file = file;
+        self.history = History::default();
+        self.solution = None;
+        self.reference = None;
+        self.probe = None;
+    }
+
+    /// Takes the same document with models added: the edits and their history stay.
+    pub fn reopen(&mut self, added: Vec<PathBuf>, scene: Arc<Scene>) {
+        self.document.added = added;
+        self.scene = Some(Arc::new(self.document.edits.applied(&scene)));
+        self.base = Some(scene);
+        self.reference = None;
+    }
+
+    /// Carries a command out, as far as that needs no thread, no file and no window.
+    pub fn apply(&mut self, command: Command) -> Vec<Effect> {
+        match command {
+            Command::Place { target, placement, dragging } => {
+                let problem =
+                    self.base.as_deref().map_or(Some(NOTHING_OPEN), |s| place_problem(s, target, &placement));
+                self.edit(Key::Place(target), dragging, problem, |e| {
+                    e.placements.insert(target, placement);
+                })
+            }
+            Command::Dim { target, dimmer, dragging } => {
+                let problem =
+                    self.base.as_deref().map_or(Some(NOTHING_OPEN), |s| dim_problem(s, target, dimmer));
+                self.edit(Key::Dim(target), dragging, problem, |e| {
+                    e.dimmers.insert(target, dimmer);
+                })
+            }
+            Command::EndDrag => {
+                self.history.end_drag();
+                if self.scene.is_some() { vec![Effect::Follow { dragging: false }] } else { Vec::new() }
+            }
+            Command::Undo => {
+                let stepped = self.history.undo(&mut self.document.edits);
+                self.after_step(stepped)
+            }
+            Command::Redo => {
+                let stepped = self.history.redo(&mut self.document.edits);
+                self.after_step(stepped)
+            }
+            Command::View(view) => self.look(*view),
+            Command::Replace(document) => vec![Effect::Reload(document)],
+            Command::Open(path) => vec![Effect::Load(path)],
+            Command::OpenExample(example) => vec![Effect::LoadExample(example)],
+            Command::AddModel(path) => {
+                if self.base.is_none() {
+                    return vec![Effect::Load(path)];
+                }
+                let mut document = self.document.clone();
+                document.added.push(path);
+                vec![Effect::Reload(Box::new(document))]
+            }
+            Command::SaveSession(path) => self.if_open(Effect::Save(path)),
+            Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
+            Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
+            Command::StartReference => {
+                self.reference = None;
+                self.if_open(Effect::Reference)
+            }
+            Command::Cancel => vec![Effect::Cancel],
+            Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],
+            Command::Window(window) => vec![Effect::Window(window)],
+        }
+    }
+
+    fn if_open(&mut self, effect: Effect) -> Vec<Effect> {
+        if self.scene.is_some() {
+            return vec![effect];
+        }
+        self.log.warn(NOTHING_OPEN);
+        Vec::new()
+    }
+
+    fn edit(
+        &mut self,
+        key: Key,
+        dragging: bool,
+        problem: Option<&str>,
+        change: impl FnOnce(&mut Edits),
+    ) -> Vec<Effect> {
+        if let Some(problem) = problem {
+            self.log.warn(format!("{}: {problem}", self.name(key.target())));
+            return Vec::new();
+        }
+        let mut after = self.document.edits.clone();
+        change(&mut after);
+        if after == self.document.edits {
+            return Vec::new();
+        }
+        self.history.edit(&mut self.document.edits, after, key, dragging);
+        self.rebuild(dragging)
+    }
+
+    fn after_step(&mut self, stepped: bool) -> Vec<Effect> {
+        if stepped { self.rebuild(false) } else { Vec::new() }
+    }
+
+    fn rebuild(&mut self, dragging: bool) -> Vec<Effect> {
+        let Some(base) = &self.base else { return Vec::new() };
+        self.scene = Some(Arc::new(self.document.edits.applied(base)));
+        let mut effects = vec![Effect::Follow { dragging }];
+        effects.extend(self.outdate_reference());
+        effects
+    }
+
+    fn look(&mut self, mut view: View) -> Vec<Effect> {
+        if !view.is_finite() {
+            self.log.warn("a view with numbers that cannot be drawn was left out");
+            return Vec::new();
+        }
+        let scene = self.scene.as_deref();
+        view.selected = view.selected.filter(|&t| scene.is_some_and(|s| exists(s, t)));
+        let old = std::mem::replace(&mut self.document.view, view);
+        let view = &self.document.view;
+        let mut effects = Vec::new();
+        if view.probe != old.probe || view.probe_bins_n != old.probe_bins_n {
+            if view.probe.is_none() {
+                self.probe = None;
+            }
+            effects.push(Effect::Probe);
+        }
+        let moved = view.camera != old.camera;
+        let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;
+        if moved {
+            effects.extend(self.outdate_reference());
+        } else if asked && self.scene.is_some() {
+            effects.push(Effect::Reference);
+        }
+        effects
+    }
+
+    fn outdate_reference(&mut self) -> Option<Effect> {
+        let had = self.reference.take().is_some();
+        if self.document.view.compare != Compare::Picture {
+            Some(Effect::Reference)
+        } else {
+            had.then_some(Effect::DropReference)
+        }
+    }
+
+    fn name(&self, target: Target) -> String {
+        match self.scene.as_deref() {
+            Some(scene) if exists(scene, target) => scene.target_name(target).to_owned(),
+            _ => format!("{target:?}"),
         }
     }
 }
 
-impl Default for View {
-    fn default() -> Self {
-        Self {
-            camera: Camera::default(),
-            display: Display::default(),
-            auto_exposure: true,
-            weights: [1.0; 3],
-            direct: DirectQuality::PerPixel(4),
-            compare: Compare::Picture,
-            volume: VolumeView::default(),
-            selected: None,
-            probe: None,
-            probe_bins_n: 17,
-            probe_part: Part::All,
-            views: Vec::new(),
-        }
-    }
-}
+const NOTHING_OPEN: &str = "no scene is open";

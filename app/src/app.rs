@@ -1,0 +1,284 @@
+//! The application: owns session, worker, viewport and dock, and forwards between them.
+//!
+//! Each frame: take the worker's news, show the panels, apply the commands they return, carry out the
+//! effects. Nothing here waits.
+
+mod effects;
+mod keys;
+
+use crate::{
+    command::Command,
+    exposure::exposure,
+    panels::{
+        dock::{Dock, Shown},
+        empty, help, menu,
+        notice::{self, DropAnswer, Notice},
+        status::{self, Badge},
+    },
+    session::{Document, Effect, Session},
+    session_file::{self, RecentFiles},
+    viewport::Viewport,
+    worker::{News, Worker},
+};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use std::{
+    path::{Path, PathBuf},
+    sync::mpsc,
+    time::Instant,
+};
+
+/// Where the program keeps what outlives a session.
+#[derive(Clone, Debug, Default)]
+pub struct Config {
+    /// Folder for the list of recent files; `None` keeps it in memory.
+    pub folder: Option<PathBuf>,
+}
+
+impl Config {
+    /// This user's own.
+    pub fn of_user() -> Self {
+        Self { folder: session_file::config_folder() }
+    }
+}
+
+/// The application.
+pub struct LumenscopeApp {
+    session: Session,
+    worker: Worker,
+    viewport: Viewport,
+    dock: Dock,
+    recent: RecentFiles,
+    chosen: (mpsc::Sender<Command>, mpsc::Receiver<Command>),
+    render_state: Option<egui_wgpu::RenderState>,
+    notice: Option<Notice>,
+    dropped: Option<PathBuf>,
+    help: bool,
+    alone: bool,
+    lit: Option<Instant>,
+}
+
+impl LumenscopeApp {
+    /// An application that opens a document, or none; its settings are this user's.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn new(cc: &eframe::CreationContext<'_>, document: Document) -> std::io::Result<Self> {
+        Self::with_config(cc, document, &Config::of_user())
+    }
+
+    /// An application with settings kept elsewhere.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn with_config(
+        cc: &eframe::CreationContext<'_>,
+        document: Document,
+        config: &Config,
+    ) -> std::io::Result<Self> {
+        crate::theme::install(&cc.egui_ctx);
+        let ctx = cc.egui_ctx.clone();
+        let mut app = Self {
+            session: Session::default(),
+            worker: Worker::start(move || ctx.request_repaint())?,
+            viewport: Viewport::new(),
+            dock: Dock::default(),
+            recent: RecentFiles::load(config.folder.as_deref()),
+            chosen: mpsc::channel(),
+            render_state: cc.wgpu_render_state.clone(),
+            notice: None,
+            dropped: None,
+            help: false,
+            alone: false,
+            lit: None,
+        };
+        if let Some(path) = document.scene.clone() {
+            if document == (Document { scene: Some(path.clone()), ..Document::default() }) {
+                app.run(&cc.egui_ctx, Command::Open(path));
+            } else {
+                app.run(&cc.egui_ctx, Command::Replace(Box::new(document)));
+            }
+        }
+        Ok(app)
+    }
+
+    /// The session, to look at.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What was picked last.
+    pub fn pick(&self) -> Option<&crate::viewport::Pick> {
+        self.dock.pick.as_ref()
+    }
+
+    /// Files opened lately.
+    pub fn recent(&self) -> &[PathBuf] {
+        self.recent.files()
+    }
+
+    /// What the status badge says.
+    pub fn badge(&self) -> Badge {
+        Badge::of(&self.session, self.worker.is_solving())
+    }
+
+    /// Whether the worker has anything to do.
+    pub fn is_busy(&self) -> bool {
+        self.worker.is_busy()
+    }
+
+    /// What could not be done, if it was not dismissed.
+    pub fn notice(&self) -> Option<&Notice> {
+        self.notice.as_ref()
+    }
+
+    /// Carries a command out.
+    pub fn run(&mut self, ctx: &egui::Context, command: Command) {
+        for effect in self.session.apply(command) {
+            self.carry_out(ctx, effect);
+        }
+    }
+
+    /// A file was dropped onto the window.
+    pub fn drop_file(&mut self, ctx: &egui::Context, path: &Path) {
+        let is_model = path
+            .extension()
+            .is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|m| e.eq_ignore_ascii_case(m)));
+        if is_model && self.session.scene.is_some() {
+            self.dropped = Some(path.to_path_buf());
+        } else {
+            self.run(ctx, Command::Open(path.to_path_buf()));
+        }
+    }
+
+    fn take_news(&mut self, ctx: &egui::Context) {
+        for news in self.worker.news() {
+            match news {
+                News::Loaded(loaded) => self.take_scene(ctx, *loaded),
+                News::Solution(solution) => {
+                    let first = self.session.solution.is_none();
+                    self.session.solution = Some(solution);
+                    self.lit = Some(Instant::now());
+                    if first || self.session.document.view.probe.is_some() {
+                        self.carry_out(ctx, Effect::Probe);
+                    }
+                }
+                News::Probe(probe) => {
+                    if self.session.document.view.probe.is_some() {
+                        self.session.probe = Some(probe);
+                    }
+                }
+                News::Reference(reference) => self.session.reference = Some(reference),
+                News::Written(path) => self.session.log.info(format!("{} written", path.display())),
+                News::Cancelled(what) => self.session.log.warn(format!("{what}: cancelled")),
+                News::Failed(what, why) => self.fail(format!("{what} failed"), why),
+            }
+        }
+        while let Ok(command) = self.chosen.1.try_recv() {
+            self.run(ctx, command);
+        }
+    }
+
+    fn take_scene(&mut self, ctx: &egui::Context, loaded: crate::pipeline::Loaded) {
+        let scene = loaded.scene;
+        let (triangles, name) = (scene.triangle_count(), scene.name.clone());
+        for warning in &scene.warnings {
+            self.session.log.warn(warning.clone());
+        }
+        let shown = loaded.session_file.clone().or_else(|| loaded.document.scene.clone());
+        if loaded.added_only {
+            self.session.reopen(loaded.document.added, scene);
+        } else {
+            self.session.open(loaded.document, scene, loaded.session_file, loaded.fresh);
+            self.viewport = Viewport::new();
+            self.dock.pick = None;
+            self.notice = None;
+        }
+        self.session.log.info(format!("{name} opened: {triangles} triangles"));
+        if let Some(path) = shown
+            && let Err(error) = self.recent.add(&path)
+        {
+            self.session.log.warn(format!("the list of recent files was not saved: {error:#}"));
+        }
+        self.carry_out(ctx, Effect::Follow { dragging: false });
+    }
+
+    fn fail(&mut self, title: String, text: String) {
+        self.session.log.error(format!("{title}: {text}"));
+        self.notice = Some(Notice { title, text });
+    }
+
+    fn expose(&mut self) {
+        let view = &self.session.document.view;
+        let size = self.dock.viewport_size;
+        if let Some(solution) = &self.session.solution
+            && view.auto_exposure
+            && let Some(ev) = exposure(solution, &view.camera, size.x / size.y.max(1.0))
+        {
+            self.session.document.view.display.ev100 = ev;
+        }
+    }
+
+    fn windows(&mut self, ctx: &egui::Context) {
+        help::show(ctx, &mut self.help);
+        notice::show(ctx, &mut self.notice);
+        if let Some(path) = self.dropped.clone()
+            && let Some(answer) = notice::ask_drop(ctx, &path)
+        {
+            self.dropped = None;
+            match answer {
+                DropAnswer::Open => self.run(ctx, Command::Open(path)),
+                DropAnswer::Add => self.run(ctx, Command::AddModel(path)),
+                DropAnswer::Nothing => {}
+            }
+        }
+        let dropped: Vec<PathBuf> =
+            ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        for path in dropped {
+            self.drop_file(ctx, &path);
+        }
+    }
+}
+
+impl eframe::App for LumenscopeApp {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.take_news(&ctx);
+        self.expose();
+        let mut out = Vec::new();
+        keys::commands(&ctx, &self.session, &mut out);
+        let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(8, 3));
+        let frame = bar(ui);
+        Panel::top("menu")
+            .frame(frame)
+            .show_separator_line(false)
+            .show(ui, |ui| menu::show(ui, &self.session, self.recent.files(), &mut out));
+        let (badge, job) = (self.badge(), self.worker.job());
+        if self.session.scene.is_some() {
+            let age = self.lit.map(|l| l.elapsed());
+            let frame = bar(ui);
+            Panel::top("tools").frame(frame).exact_size(34.0).show(ui, |ui| {
+                status::show(ui, &self.session, job.as_ref(), badge, age, &mut out);
+            });
+        }
+        CentralPanel::default().frame(Frame::new().fill(ui.visuals().extreme_bg_color)).show(ui, |ui| {
+            if self.session.scene.is_none() {
+                empty::show(ui, self.recent.files(), self.worker.is_busy(), &mut out);
+                return;
+            }
+            let shown = Shown {
+                session: &self.session,
+                inspection: None,
+                render_state: self.render_state.as_ref(),
+                solving: self.worker.is_solving(),
+            };
+            out.extend(self.dock.show(ui, &mut self.viewport, &shown, self.alone));
+        });
+        self.windows(&ctx);
+        for command in out {
+            self.run(&ctx, command);
+        }
+        if job.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! What the session asks for, carried out: the worker, files, dialogs, the window.
+
+use super::LumenscopeApp;
+use crate::{
+    command::{Command, Dialog, Window},
+    pipeline::Source,
+    session::Effect,
+    session_file,
+    worker::{ExportRequest, ProbeRequest, ReferenceRequest},
+};
+use egui::ViewportCommand;
+use lumenscope_core::superposition::composite::DirectQuality;
+use std::{path::PathBuf, sync::mpsc::Sender};
+
+/// Pictures are exported at the viewport's shape, this many pixels wide.
+const EXPORT_WIDTH: u32 = 1280;
+
+/// Widest reference traced while looking: larger ones take seconds a sample on two cores.
+const REFERENCE_WIDTH: u32 = 480;
+
+impl LumenscopeApp {
+    pub(super) fn carry_out(&mut self, ctx: &egui::Context, effect: Effect) {
+        match effect {
+            Effect::Load(path) => self.worker.load(Source::File(path)),
+            Effect::LoadExample(example) => self.worker.load(Source::File(example.key().into())),
+            Effect::Reload(document) => {
+                let same_scene = self.session.document.scene == document.scene;
+                let more = document.added.len() > self.session.document.added.len();
+                self.worker.load(if same_scene && more && self.session.base.is_some() {
+                    Source::Models(document)
+                } else {
+                    Source::Document(document)
+                });
+            }
+            Effect::Follow { dragging } => {
+                if let Some(scene) = self.session.scene.clone() {
+                    self.worker.follow(scene, dragging);
+                }
+            }
+            Effect::Probe => {
+                let view = &self.session.document.view;
+                if let Some((position, normal)) = view.probe {
+                    let normal = normal.normalize_or(glam::Vec3::Y);
+                    self.worker.probe(ProbeRequest { position, normal, n: view.probe_bins_n });
+                }
+            }
+            Effect::Reference => {
+                let size = self.picture_size(REFERENCE_WIDTH);
+                let camera = self.session.document.view.camera;
+                self.worker.reference(Some(ReferenceRequest { camera, size }));
+            }
+            Effect::DropReference => self.worker.reference(None),
+            Effect::Save(path) => self.save(path),
+            Effect::ExportPicture(path) => self.export(path, true),
+            Effect::ExportLayers(path) => self.export(path, false),
+            Effect::Cancel => self.worker.cancel(),
+            Effect::Dialog(dialog) => self.ask(dialog, ctx),
+            Effect::Window(window) => self.change_window(window, ctx),
+        }
+    }
+
+    fn picture_size(&self, width: u32) -> [u32; 2] {
+        let shown = self.dock.viewport_size;
+        let height = (width as f32 * shown.y / shown.x.max(1.0)).round();
+        [width, height.clamp(1.0, 4.0 * width as f32) as u32]
+    }
+
+    fn save(&mut self, path: PathBuf) {
+        let path =
+            if session_file::is_session(&path) { path } else { path.with_extension(session_file::EXTENSION) };
+        match session_file::write(&path, &self.session.document) {
+            Ok(()) => {
+                self.session.log.info(format!("session saved to {}", path.display()));
+                if let Err(error) = self.recent.add(&path) {
+                    self.session.log.warn(format!("the list of recent files was not saved: {error:#}"));
+                }
+                self.session.set_saved(path);
+            }
+            Err(error) => self.fail("Saving failed".into(), format!("{error:#}")),
+        }
+    }
+
+    fn export(&mut self, path: PathBuf, picture: bool) {
+        let Some(solution) = self.session.solution.clone() else {
+            self.fail("Nothing to export yet".into(), "the scene has no light so far".into());
+            return;
+        };
+        let view = &self.session.document.view;
+        self.worker.export(ExportRequest {
+            path,
+            solution,
+            camera: view.camera,
+            size: self.picture_size(EXPORT_WIDTH),
+            weights: view.weights,
+            shadow_rays: match view.direct {
+                DirectQuality::Elements => 0,
+                DirectQuality::PerPixel(rays) => rays.max(16),
+            },
+            display: picture.then_some(view.display),
+        });
+    }
+
+    fn ask(&mut self, dialog: Dialog, ctx: &egui::Context) {
+        let name = self.session.scene.as_ref().map_or("scene", |s| s.name.as_str());
+        let sender = self.chosen.0.clone();
+        if let Err(error) = ask_for_file(dialog, name, sender, ctx.clone()) {
+            self.fail("The file dialog did not open".into(), error.to_string());
+        }
+    }
+
+    fn change_window(&mut self, window: Window, ctx: &egui::Context) {
+        match window {
+            Window::Help => self.help = !self.help,
+            Window::Panels => self.alone = !self.alone,
+            Window::ResetPanels => {
+                self.alone = false;
+                self.dock.reset_layout();
+            }
+            Window::Theme => ctx.set_theme(match ctx.theme() {
+                egui::Theme::Dark => egui::Theme::Light,
+                egui::Theme::Light => egui::Theme::Dark,
+            }),
+            Window::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+        }
+    }
+}
+
+/// Opens a file dialog and sends the command that follows from its answer. The dialog is made here, as
+/// some systems want it on the window's thread, and awaited on one of its own.
+fn ask_for_file(
+    dialog: Dialog,
+    name: &str,
+    sender: Sender<Command>,
+    ctx: egui::Context,
+) -> std::io::Result<()> {
+    let models = ["glb", "gltf", "obj"];
+    let ask = rfd::AsyncFileDialog::new();
+    let answer: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> = match dialog {
+        Dialog::Open => {
+            let all = ["glb", "gltf", "obj", "ron", session_file::EXTENSION];
+            Box::pin(ask.set_title("Open a scene or session").add_filter("Scenes", &all).pick_file())
+        }
+        Dialog::AddModel => Box::pin(ask.set_title("Add a model").add_filter("Models", &models).pick_file()),
+        Dialog::SaveSession => {
+            let ask = ask.set_title("Save the session").set_file_name(format!("{name}.lumenscope"));
+            Box::pin(ask.add_filter("Sessions", &[session_file::EXTENSION]).save_file())
+        }
+        Dialog::ExportPicture => {
+            let ask = ask.set_title("Export the picture").set_file_name(format!("{name}.png"));
+            Box::pin(ask.add_filter("PNG", &["png"]).save_file())
+        }
+        Dialog::ExportLayers => {
+            let ask = ask.set_title("Export the layers").set_file_name(format!("{name}.exr"));
+            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
+        }
+    };
+    std::thread::Builder::new().name("file dialog".into()).spawn(move || {
+        let Some(file) = pollster::block_on(answer) else { return };
+        let path = file.path().to_path_buf();
+        let command = match dialog {
+            Dialog::Open => Command::Open(path),
+            Dialog::AddModel => Command::AddModel(path),
+            Dialog::SaveSession => Command::SaveSession(path),
+            Dialog::ExportPicture => Command::ExportPicture(path),
+            Dialog::ExportLayers => Command::ExportLayers(path),
+        };
+        // Without a receiver the window is gone.
+        let _ = sender.send(command);
+        ctx.request_repaint();
+    })?;
+    Ok(())
+}

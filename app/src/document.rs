@@ -1,0 +1,236 @@
+//! The document: the open scene, what the user changed in it, and how it is looked at.
+
+use glam::{Affine3A, Vec3};
+use lumenscope_core::{
+    math::part::Part,
+    scene::{Scene, Target, camera::Camera},
+    superposition::composite::{DirectQuality, Display},
+};
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::PathBuf};
+
+/// Everything a session file holds. Edits are undone and redone; the view is not.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Document {
+    /// Scene file, or `example:NAME` (see [`crate::examples`]); `None` before one is open.
+    pub scene: Option<PathBuf>,
+    /// Model files added to it as movable objects, in the order they were added.
+    #[serde(default)]
+    pub added: Vec<PathBuf>,
+    /// What the user changed in the scene.
+    pub edits: Edits,
+    /// How it is looked at.
+    pub view: View,
+}
+
+/// What the user changed in the scene; whatever is not listed is as the file says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Edits {
+    /// New placements.
+    pub placements: BTreeMap<Target, Affine3A>,
+    /// New dimmers.
+    pub dimmers: BTreeMap<Target, f32>,
+}
+
+/// How the scene is looked at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// Camera of the viewport.
+    pub camera: Camera,
+    /// Exposure, tone, false colour.
+    pub display: Display,
+    /// Whether exposure follows the picture.
+    pub auto_exposure: bool,
+    /// Weight of each layer, in the order of `Layer::ALL`.
+    pub weights: [f32; 3],
+    /// Direct light a pixel, when at rest.
+    pub direct: DirectQuality,
+    /// Picture, reference or difference.
+    pub compare: Compare,
+    /// The volume shown as spheres.
+    pub volume: VolumeView,
+    /// What is selected.
+    pub selected: Option<Target>,
+    /// The point whose spheres are open: position and normal.
+    pub probe: Option<(Vec3, Vec3)>,
+    /// Rows of bins a hemisphere in the sphere inspector.
+    pub probe_bins_n: u32,
+    /// Part of the light in the sphere inspector.
+    pub probe_part: Part,
+    /// Ids of the inspection views switched on (see `registry`).
+    pub views: Vec<String>,
+}
+
+/// What fills the viewport.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Compare {
+    /// The superposition renderer's picture.
+    #[default]
+    Picture,
+    /// The path tracer's.
+    Reference,
+    /// Luminance difference, false colour.
+    Difference,
+}
+
+/// The volume shown as spheres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VolumeView {
+    /// Whether it is shown.
+    pub shown: bool,
+    /// Radius of a sphere as a share of its cell.
+    pub size: f32,
+    /// Show first-level samples.
+    pub first_level: bool,
+    /// Show second-level samples.
+    pub second_level: bool,
+    /// Part of the light shown.
+    pub part: Part,
+    /// Radiance instead of irradiance.
+    pub radiance: bool,
+    /// Only the samples of one slice: axis 0, 1, 2 and height in [0, 1].
+    pub slice: Option<(u8, f32)>,
+}
+
+impl Default for VolumeView {
+    fn default() -> Self {
+        Self {
+            shown: false,
+            size: 0.25,
+            first_level: true,
+            second_level: true,
+            part: Part::All,
+            radiance: false,
+            slice: None,
+        }
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            camera: Camera::default(),
+            display: Display::default(),
+            auto_exposure: true,
+            weights: [1.0; 3],
+            direct: DirectQuality::PerPixel(4),
+            compare: Compare::Picture,
+            volume: VolumeView::default(),
+            selected: None,
+            probe: None,
+            probe_bins_n: 17,
+            probe_part: Part::All,
+            views: Vec::new(),
+        }
+    }
+}
+
+impl Edits {
+    /// The scene with these edits made; edits of targets it does not have are passed over.
+    pub fn applied(&self, base: &Scene) -> Scene {
+        let mut scene = base.clone();
+        for (&target, &placement) in &self.placements {
+            if is_movable(&scene, target) {
+                scene.place(target, placement);
+            }
+        }
+        for (&target, &dimmer) in &self.dimmers {
+            match target {
+                Target::Object(i) if i < scene.objects.len() => scene.objects[i].dimmer = dimmer,
+                Target::Lamp(i) if i < scene.lamps.len() => scene.lamps[i].dimmer = dimmer,
+                _ => {}
+            }
+        }
+        scene
+    }
+
+    /// Drops whatever a scene cannot follow; returns one line for each.
+    pub fn retain_valid(&mut self, scene: &Scene) -> Vec<String> {
+        let mut dropped = Vec::new();
+        self.placements.retain(|&target, placement| {
+            let problem = place_problem(scene, target, placement);
+            dropped.extend(problem.iter().map(|p| format!("placement of {target:?} left out: {p}")));
+            problem.is_none()
+        });
+        self.dimmers.retain(|&target, dimmer| {
+            let problem = dim_problem(scene, target, *dimmer);
+            dropped.extend(problem.iter().map(|p| format!("dimmer of {target:?} left out: {p}")));
+            problem.is_none()
+        });
+        dropped
+    }
+}
+
+impl View {
+    /// Whether every number in it can be drawn with.
+    pub fn is_finite(&self) -> bool {
+        let c = &self.camera;
+        let false_colour = self
+            .display
+            .false_colour
+            .is_none_or(|f| f.low.is_finite() && f.high.is_finite() && f.high > f.low);
+        let probe = self.probe.is_none_or(|(p, n)| p.is_finite() && n.is_finite() && n != Vec3::ZERO);
+        c.eye.is_finite()
+            && c.target.is_finite()
+            && c.eye != c.target
+            && c.up.is_finite()
+            && c.vertical_fov.is_finite()
+            && (0.01..3.1).contains(&c.vertical_fov)
+            && self.display.ev100.is_finite()
+            && self.weights.iter().all(|w| w.is_finite())
+            && self.volume.size.is_finite()
+            && (1..=64).contains(&self.probe_bins_n)
+            && false_colour
+            && probe
+    }
+}
+
+/// Whether a target exists in a scene.
+pub fn exists(scene: &Scene, target: Target) -> bool {
+    match target {
+        Target::Object(i) => i < scene.objects.len(),
+        Target::Lamp(i) => i < scene.lamps.len(),
+    }
+}
+
+/// Whether a target exists and may be dragged; every lamp without a surface may.
+pub fn is_movable(scene: &Scene, target: Target) -> bool {
+    match target {
+        Target::Object(i) => scene.objects.get(i).is_some_and(|o| o.movable),
+        Target::Lamp(i) => i < scene.lamps.len(),
+    }
+}
+
+/// Why a placement cannot be taken, if it cannot.
+pub fn place_problem(scene: &Scene, target: Target, placement: &Affine3A) -> Option<&'static str> {
+    /// Farther than this from the origin, single-precision positions are coarser than a centimetre.
+    const FARTHEST_M: f32 = 1e5;
+    if !exists(scene, target) {
+        return Some("the scene has no such object or lamp");
+    }
+    if !is_movable(scene, target) {
+        return Some("it is fixed; list it under `movable` in the scene file to drag it");
+    }
+    if !placement.is_finite() {
+        return Some("the placement is not a finite number");
+    }
+    if placement.translation.length() > FARTHEST_M {
+        return Some("it lies farther than 100 km from the origin");
+    }
+    let determinant = placement.matrix3.determinant();
+    (!(1e-12..1e12).contains(&determinant.abs())).then_some("the placement flattens it")
+}
+
+/// Why a dimmer cannot be taken, if it cannot.
+pub fn dim_problem(scene: &Scene, target: Target, dimmer: f32) -> Option<&'static str> {
+    if !exists(scene, target) {
+        return Some("the scene has no such object or lamp");
+    }
+    if !scene.emits(target) {
+        return Some("it emits no light");
+    }
+    (!(0.0..=MOST_DIMMER).contains(&dimmer)).then_some("a dimmer lies between 0 and 10")
+}
+
+/// Most a lamp can be raised over what the file says.
+pub const MOST_DIMMER: f32 = 10.0;

@@ -1,0 +1,58 @@
+//! Panels: each shows what it is given and returns commands. [`dock`] lays them out.
+
+pub mod dock;
+pub mod empty;
+pub mod help;
+pub mod layers;
+pub mod log;
+pub mod menu;
+pub mod notice;
+pub mod plan;
+pub mod readout;
+pub mod scene;
+pub mod status;
+pub mod views;
+
+use crate::{command::Command, session::View};
+use egui::{RichText, Ui};
+use glam::Vec3;
+use lumenscope_core::math::colour::luminance;
+
+/// Edits a copy of the view; if that changed it, says so.
+fn edit_view(view: &View, out: &mut Vec<Command>, edit: impl FnOnce(&mut View)) {
+    let mut changed = view.clone();
+    edit(&mut changed);
+    if changed != *view {
+        out.push(Command::View(Box::new(changed)));
+    }
+}
+
+/// A heading inside a panel.
+fn section(ui: &mut Ui, title: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(title).strong());
+}
+
+/// A number with about three significant digits.
+pub fn number(value: f32) -> String {
+    let size = value.abs();
+    match size {
+        _ if !value.is_finite() => "not finite".into(),
+        _ if size == 0.0 => "0".into(),
+        _ if size >= 1e6 || size < 1e-3 => format!("{value:.2e}"),
+        _ if size >= 100.0 => format!("{value:.0}"),
+        _ if size >= 10.0 => format!("{value:.1}"),
+        _ if size >= 1.0 => format!("{value:.2}"),
+        _ => format!("{value:.3}"),
+    }
+}
+
+/// A row of a read-out: a photometric quantity as luminance-weighted value, and its channels.
+fn quantity(ui: &mut Ui, name: &str, value: Vec3, unit: &str, tooltip: &str) {
+    ui.label(name).on_hover_text(tooltip);
+    let channels = format!("{}  {}  {}", number(value.x), number(value.y), number(value.z));
+    ui.label(RichText::new(format!("{} {unit}", number(luminance(value)))).strong())
+        .on_hover_text(format!("{tooltip}\n\nR  G  B: {channels} {unit}"));
+    ui.label(RichText::new(channels).small().weak());
+    ui.end_row();
+}

@@ -1,0 +1,214 @@
+//! The scene: objects and lamps, what is selected, where it stands and how bright it is set.
+
+use super::{edit_view, number, section};
+use crate::{
+    command::Command,
+    document::{MOST_DIMMER, is_movable},
+    session::Session,
+};
+use egui::{DragValue, Grid, Response, RichText, ScrollArea, Slider, TextEdit, Ui};
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use lumenscope_core::scene::{Scene, Target, lamp::LampKind};
+
+/// What the panel remembers.
+#[derive(Default)]
+pub struct State {
+    filter: String,
+    scrolled_to: Option<Target>,
+}
+
+/// Shows the list and, below it, what is selected.
+pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Command>) {
+    let Some(scene) = session.scene.as_deref() else {
+        ui.weak("Objects and lamps appear here when a scene is open.");
+        return;
+    };
+    let label = ui.label("🔍").on_hover_text("Show only names that contain this");
+    let search = TextEdit::singleline(&mut state.filter).hint_text("Search").desired_width(f32::INFINITY);
+    ui.put(
+        egui::Rect::from_min_max(label.rect.right_top() + egui::vec2(6.0, -2.0), {
+            egui::pos2(ui.max_rect().right(), label.rect.bottom() + 2.0)
+        }),
+        search,
+    )
+    .labelled_by(label.id);
+    ui.add_space(4.0);
+    let height = if session.document.view.selected.is_some() { 104.0 } else { f32::INFINITY };
+    ScrollArea::vertical().id_salt("targets").max_height(height).auto_shrink(false).show(ui, |ui| {
+        list(ui, state, scene, session, out);
+    });
+    if let Some(target) = session.document.view.selected {
+        ui.separator();
+        selected(ui, scene, session, target, out);
+    }
+}
+
+fn list(ui: &mut Ui, state: &mut State, scene: &Scene, session: &Session, out: &mut Vec<Command>) {
+    let lamps = (0..scene.lamps.len()).map(Target::Lamp);
+    let objects = (0..scene.objects.len()).map(Target::Object);
+    let mut targets: Vec<Target> = lamps.chain(objects).collect();
+    targets.sort_by_key(|&t| (!scene.emits(t), !is_movable(scene, t)));
+    let filter = state.filter.to_lowercase();
+    let view = &session.document.view;
+    let follow = view.selected.is_some() && view.selected != state.scrolled_to;
+    state.scrolled_to = view.selected;
+    for target in targets {
+        let name = scene.target_name(target);
+        if !name.to_lowercase().contains(&filter) {
+            continue;
+        }
+        let (lamp, movable) = (scene.emits(target), is_movable(scene, target));
+        let icon = if lamp {
+            "💡"
+        } else if movable {
+            "✋"
+        } else {
+            "▫"
+        };
+        let kind = match (lamp, movable) {
+            (true, true) => "lamp, can be dragged",
+            (true, false) => "lamp, fixed",
+            (false, true) => "object, can be dragged",
+            (false, false) => "object, fixed",
+        };
+        let selected = view.selected == Some(target);
+        let changed = session.document.edits.placements.contains_key(&target)
+            || session.document.edits.dimmers.contains_key(&target);
+        let text = format!("{icon} {name}{}", if changed { " •" } else { "" });
+        let row = ui.selectable_label(selected, text).on_hover_text(kind);
+        if follow && selected {
+            row.scroll_to_me(Some(egui::Align::Center));
+        }
+        if row.clicked() {
+            edit_view(view, out, |v| v.selected = (!selected).then_some(target));
+        }
+    }
+}
+
+fn selected(ui: &mut Ui, scene: &Scene, session: &Session, target: Target, out: &mut Vec<Command>) {
+    ui.label(RichText::new(scene.target_name(target)).strong());
+    if scene.emits(target) {
+        dimmer(ui, scene, session, target, out);
+    }
+    let placement = scene.placement(target);
+    let directional =
+        matches!(target, Target::Lamp(i) if matches!(scene.lamps[i].kind, LampKind::Directional { .. }));
+    ui.add_enabled_ui(is_movable(scene, target), |ui| {
+        transform(ui, placement, directional, |placement, dragging| {
+            out.push(Command::Place { target, placement, dragging });
+        })
+    })
+    .inner
+    .then(|| out.push(Command::EndDrag));
+    if let Target::Object(i) = target {
+        materials(ui, scene, i);
+    }
+}
+
+fn dimmer(ui: &mut Ui, scene: &Scene, session: &Session, target: Target, out: &mut Vec<Command>) {
+    let (mut value, unit) = match target {
+        Target::Object(i) => (scene.objects[i].dimmer, "lm"),
+        Target::Lamp(i) => match scene.lamps[i].kind {
+            LampKind::Directional { .. } => (scene.lamps[i].dimmer, "lx"),
+            _ => (scene.lamps[i].dimmer, "lm"),
+        },
+    };
+    ui.horizontal(|ui| {
+        let label =
+            ui.label("Dimmer").on_hover_text("Factor on the emission: 1 as the file says, 0 switched off");
+        let slider = Slider::new(&mut value, 0.0..=MOST_DIMMER).logarithmic(true).smallest_positive(0.01);
+        let response = ui.add(slider.max_decimals(2)).labelled_by(label.id);
+        if response.changed() {
+            out.push(Command::Dim { target, dimmer: value, dragging: response.dragged() });
+        }
+        if response.drag_stopped() {
+            out.push(Command::EndDrag);
+        }
+    });
+    if let Some(flux) = session.flux(target) {
+        let tooltip = "Luminous flux Φ = π ∫ L dA of a surface, ∫ I dω of a point or spot lamp; \
+                       for parallel light its illuminance.";
+        ui.horizontal(|ui| {
+            ui.label("Emits").on_hover_text(tooltip);
+            ui.label(RichText::new(format!("{} {unit}", number(flux))).strong()).on_hover_text(tooltip);
+        });
+    }
+}
+
+/// Shows position and turn; true when a drag of a number ended.
+fn transform(
+    ui: &mut Ui,
+    placement: Affine3A,
+    directional: bool,
+    mut place: impl FnMut(Affine3A, bool),
+) -> bool {
+    let (scale, rotation, mut position) = placement.to_scale_rotation_translation();
+    let (y, x, z) = rotation.to_euler(EulerRot::YXZ);
+    let mut degrees = Vec3::new(x, y, z).map(f32::to_degrees);
+    let mut ended = false;
+    let mut changed = None;
+    let mut watch = |r: Response| {
+        if r.changed() {
+            changed = Some(r.dragged());
+        }
+        ended |= r.drag_stopped();
+    };
+    Grid::new("transform").num_columns(4).spacing([5.0, 3.0]).show(ui, |ui| {
+        if !directional {
+            ui.label("Position").on_hover_text("World position, m; y is up");
+            for (name, value) in ["x", "y", "z"].iter().zip(position.as_mut()) {
+                let drag = DragValue::new(value).speed(0.01).max_decimals(3).suffix(" m");
+                watch(accessible(ui.add(drag), &format!("Position {name}")));
+            }
+            ui.end_row();
+        }
+        ui.label("Turn").on_hover_text("About x, y, z in degrees: first z, then x, then y");
+        for (name, value) in ["x", "y", "z"].iter().zip(degrees.as_mut()) {
+            let drag = DragValue::new(value).speed(0.5).max_decimals(1).suffix("°");
+            watch(accessible(ui.add(drag), &format!("Turn {name}")));
+        }
+        ui.end_row();
+    });
+    if let Some(dragging) = changed {
+        let r = degrees.map(f32::to_radians);
+        let rotation = Quat::from_euler(EulerRot::YXZ, r.y, r.x, r.z);
+        place(Affine3A::from_scale_rotation_translation(scale, rotation, position), dragging);
+    }
+    ended
+}
+
+fn accessible(response: Response, name: &str) -> Response {
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
+}
+
+fn materials(ui: &mut Ui, scene: &Scene, object: usize) {
+    section(ui, "Material");
+    let mut seen = Vec::new();
+    for part in &scene.objects[object].parts {
+        if seen.contains(&part.material) {
+            continue;
+        }
+        seen.push(part.material);
+        let material = &scene.materials[part.material];
+        let r = material.reflectance;
+        let sides = if material.double_sided { "both sides" } else { "front only" };
+        let textured = if material.reflectance_texture.is_some() { ", textured" } else { "" };
+        ui.horizontal_wrapped(|ui| {
+            swatch(ui, r);
+            ui.label(&material.name);
+            ui.weak(format!("ρ {:.2} {:.2} {:.2}{textured}, {sides}", r.x, r.y, r.z))
+                .on_hover_text("Diffuse reflectance ρ in red, green and blue: L = ρ E / π");
+        });
+        if material.emission != Vec3::ZERO {
+            let e = material.emission;
+            ui.weak(format!("emits {}  {}  {} cd/m²", number(e.x), number(e.y), number(e.z)));
+        }
+    }
+}
+
+fn swatch(ui: &mut Ui, reflectance: Vec3) {
+    let [r, g, b] = lumenscope_core::math::colour::srgb8(reflectance);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(r, g, b));
+}

@@ -1,0 +1,230 @@
+//! The worker: one background thread that does everything longer than a frame.
+//!
+//! Each kind of request has one slot and the latest wins; what is on screen never waits. Not a queue:
+//! during a drag, all but the newest scene would be solved in vain. Not a pool: the solvers use every
+//! core themselves.
+
+mod bench;
+
+use crate::{
+    pipeline::{Loaded, Source},
+    session::Reference,
+    widgets::Probe,
+};
+use bench::Bench;
+use glam::Vec3;
+use lumenscope_core::{
+    math::progress::Progress,
+    scene::{Scene, camera::Camera},
+    superposition::composite::Display,
+    transport::LightTransportSolution,
+};
+use std::{
+    collections::VecDeque,
+    path::PathBuf,
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc},
+    thread::JoinHandle,
+    time::Instant,
+};
+
+/// What came out of the worker.
+pub enum News {
+    /// A scene was loaded.
+    Loaded(Box<Loaded>),
+    /// There is better light for the scene.
+    Solution(Arc<LightTransportSolution>),
+    /// A probe was sampled.
+    Probe(Arc<Probe>),
+    /// The reference has more samples.
+    Reference(Reference),
+    /// A file was written.
+    Written(PathBuf),
+    /// Something was cancelled.
+    Cancelled(&'static str),
+    /// Something could not be done; what it was, and why.
+    Failed(&'static str, String),
+}
+
+/// A spot whose spheres are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeRequest {
+    /// Position, m.
+    pub position: Vec3,
+    /// Unit normal of the surface there.
+    pub normal: Vec3,
+    /// Rows of bins a hemisphere.
+    pub n: u32,
+}
+
+/// A picture wanted from the path tracer.
+#[derive(Clone, Debug)]
+pub struct ReferenceRequest {
+    /// Camera.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+}
+
+/// A file to write.
+#[derive(Clone, Debug)]
+pub struct ExportRequest {
+    /// Where.
+    pub path: PathBuf,
+    /// What is shown.
+    pub solution: Arc<LightTransportSolution>,
+    /// Camera.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Weight of each layer.
+    pub weights: [f32; 3],
+    /// Shadow rays a pixel and area emitter.
+    pub shadow_rays: u32,
+    /// How the picture is shown; `None` writes the layers as EXR.
+    pub display: Option<Display>,
+}
+
+/// The job at work.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// What it is for.
+    pub name: &'static str,
+    /// How far it is.
+    pub progress: Progress,
+    /// When it began.
+    pub began: Instant,
+    preemptible: bool,
+}
+
+#[derive(Default)]
+struct Slots {
+    load: Option<Source>,
+    scene: Option<(Arc<Scene>, bool)>,
+    probe: Option<ProbeRequest>,
+    exports: VecDeque<ExportRequest>,
+    reference: Option<Option<ReferenceRequest>>,
+    job: Option<Job>,
+    quit: bool,
+}
+
+struct Shared {
+    slots: Mutex<Slots>,
+    wake: Condvar,
+}
+
+impl Shared {
+    fn slots(&self) -> MutexGuard<'_, Slots> {
+        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Handle on the worker; dropping it ends the thread.
+pub struct Worker {
+    shared: Arc<Shared>,
+    news: mpsc::Receiver<News>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the thread; `wake` is called whenever there is news.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared { slots: Mutex::default(), wake: Condvar::new() });
+        let (sender, news) = mpsc::channel();
+        let bench = Bench::new(Arc::clone(&shared), sender, Box::new(wake));
+        let thread = std::thread::Builder::new().name("worker".into()).spawn(|| bench.run())?;
+        Ok(Self { shared, news, thread: Some(thread) })
+    }
+
+    /// What has come out since the last call.
+    pub fn news(&self) -> Vec<News> {
+        self.news.try_iter().collect()
+    }
+
+    /// The job at work.
+    pub fn job(&self) -> Option<Job> {
+        self.shared.slots().job.clone()
+    }
+
+    /// Whether the light of the newest scene is still on its way.
+    pub fn is_solving(&self) -> bool {
+        let slots = self.shared.slots();
+        slots.scene.is_some() || slots.job.as_ref().is_some_and(|j| j.name == LIGHT)
+    }
+
+    /// Whether anything is at work or waiting.
+    pub fn is_busy(&self) -> bool {
+        let slots = self.shared.slots();
+        slots.job.is_some()
+            || slots.load.is_some()
+            || slots.scene.is_some()
+            || slots.probe.is_some()
+            || !slots.exports.is_empty()
+    }
+
+    /// Loads; whatever is at work is given up.
+    pub fn load(&self, source: Source) {
+        self.put(true, |slots| {
+            slots.load = Some(source);
+            slots.scene = None;
+            slots.probe = None;
+            slots.reference = Some(None);
+        });
+    }
+
+    /// Lets the light follow a scene; `dragging` while more of the same is to come.
+    pub fn follow(&self, scene: Arc<Scene>, dragging: bool) {
+        self.put(false, |slots| slots.scene = Some((scene, dragging)));
+    }
+
+    /// Samples a probe.
+    pub fn probe(&self, request: ProbeRequest) {
+        self.put(false, |slots| slots.probe = Some(request));
+    }
+
+    /// Starts, resumes or (with `None`) forgets the reference picture.
+    pub fn reference(&self, request: Option<ReferenceRequest>) {
+        self.put(false, |slots| slots.reference = Some(request));
+    }
+
+    /// Writes a picture or its layers.
+    pub fn export(&self, request: ExportRequest) {
+        self.put(false, |slots| slots.exports.push_back(request));
+    }
+
+    /// Gives up whatever is at work or waiting.
+    pub fn cancel(&self) {
+        self.put(true, |slots| {
+            slots.load = None;
+            slots.scene = None;
+            slots.probe = None;
+            slots.exports.clear();
+            slots.reference = Some(None);
+        });
+    }
+
+    fn put(&self, stop: bool, change: impl FnOnce(&mut Slots)) {
+        let mut slots = self.shared.slots();
+        change(&mut slots);
+        if let Some(job) = &slots.job
+            && (stop || job.preemptible)
+        {
+            job.progress.cancel();
+        }
+        self.shared.wake.notify_one();
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.put(true, |slots| slots.quit = true);
+        if let Some(thread) = self.thread.take() {
+            // A panic there has been reported as news; nobody is left to hear another.
+            let _ = thread.join();
+        }
+    }
+}
+
+const LIGHT: &str = "Solving light";
