@@ -1,12 +1,14 @@
 //! What the worker does with a scene: read it, solve it, picture it. No thread and no window here.
 
 use crate::{document::Document, examples, session::Reference, session_file, widgets::Probe};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use glam::Vec3;
 use lumenscope_core::{
+    irradiance_volume::{IrradianceVolume, VolumeSettings},
     math::progress::Progress,
-    radiosity::RadiositySolution,
-    scene::{Scene, camera::Camera, world::World},
+    radiosity::{RadiositySettings, RadiositySolution},
+    reference::picture::ReferencePicture,
+    scene::{Scene, camera::Camera, import, world::World},
     transport::{
         LightTransportSolution,
         solution::{Provenance, State},
@@ -62,9 +64,12 @@ pub fn load(source: Source, progress: &Progress) -> Result<Loaded> {
     Ok(Loaded { document, session_file, scene: Arc::new(scene), fresh, added_only })
 }
 
-fn read_scene(path: &Path, _added: &[PathBuf]) -> Result<Scene> {
-    std::fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    bail!("{}: no reader for this kind of file", path.display())
+fn read_scene(path: &Path, added: &[PathBuf]) -> Result<Scene> {
+    let mut scene = import::load(path)?;
+    for model in added {
+        import::add_model(&mut scene, model)?;
+    }
+    Ok(scene)
 }
 
 /// Solves a scene, publishing what can be shown on the way: first the light on surfaces, then with the
@@ -82,16 +87,21 @@ pub fn solve(
     let world = Arc::new(World::new(scene));
     progress.begin("radiosity");
     progress.report(0.0)?;
-    let radiosity = Arc::new(RadiositySolution::default());
-    let provenance = Provenance { revision, state: State::Settled, ..Provenance::default() };
-    publish(LightTransportSolution {
+    let radiosity = Arc::new(RadiositySolution::solve(&world, &RadiositySettings::default(), progress)?);
+    let mut solution = LightTransportSolution {
         scene: Arc::clone(scene),
         world,
         radiosity,
         volume: None,
         moved_objects: Vec::new(),
-        provenance,
-    });
+        provenance: Provenance { revision, state: State::Refining, ..Provenance::default() },
+    };
+    publish(solution.clone());
+    let volume =
+        IrradianceVolume::build(&solution.world, &*solution.radiosity, &VolumeSettings::default(), progress)?;
+    solution.volume = Some(Arc::new(volume));
+    solution.provenance.state = State::Settled;
+    publish(solution);
     Ok(())
 }
 
@@ -106,12 +116,12 @@ pub fn probe(
     _n: u32,
     _progress: &Progress,
 ) -> Result<Probe> {
-    Ok(Probe {})
+    Ok(Probe::default())
 }
 
 /// A reference picture in the making.
 pub struct ReferenceWork {
-    samples: u32,
+    picture: ReferencePicture,
 }
 
 impl ReferenceWork {
@@ -119,23 +129,21 @@ impl ReferenceWork {
     pub const ENOUGH: u32 = 1024;
 
     /// Begins a picture.
-    pub fn new(_world: &Arc<World>, _camera: Camera, _size: [u32; 2]) -> Self {
-        Self { samples: Self::ENOUGH }
+    pub fn new(world: &Arc<World>, camera: Camera, [width, height]: [u32; 2]) -> Self {
+        Self { picture: ReferencePicture::new(Arc::clone(world), camera, width, height, 1) }
     }
 
     /// Whether it has all its samples.
     pub fn is_done(&self) -> bool {
-        self.samples >= Self::ENOUGH
+        self.picture.samples() >= Self::ENOUGH
     }
 
-    /// Adds a sample a pixel.
+    /// Adds as many samples a pixel as it has, up to eight: quick to the first picture, then steady.
     ///
     /// # Errors
-    /// If the work was cancelled.
+    /// If the work was cancelled; the samples so far stay.
     pub fn more(&mut self, progress: &Progress) -> Result<Reference> {
-        progress.begin("samples");
-        progress.report(1.0)?;
-        self.samples += 1;
-        Ok(Reference { image: Arc::default(), samples: self.samples })
+        self.picture.add_samples(self.picture.samples().clamp(1, 8), progress)?;
+        Ok(Reference { image: Arc::new(self.picture.mean()), samples: self.picture.samples() })
     }
 }

@@ -66,7 +66,7 @@ pub struct ReferenceRequest {
 }
 
 /// A file to write.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ExportRequest {
     /// Where.
     pub path: PathBuf,
