@@ -1,1 +1,182 @@
 //! A solution that follows the user: what a change touches is redone, the rest is kept.
+//!
+//! Light transport is linear in what is emitted, and its operator depends on geometry alone. So the
+//! gather hits of radiosity and volume are cached once; a lamp that moves or dims costs its own direct
+//! light and some sweeps over the cache. An object that moves leaves the cache a little wrong: at
+//! once it shadows direct light and is itself lit from the volume; once it rests, everything is
+//! solved anew. Not a full solve a step: that is a hundred times the work for a difference that is
+//! mostly below what the eye sees while things move.
+
+use super::{LightTransportSolution, solution::{Provenance, State}};
+use crate::{
+    irradiance_volume::{IrradianceVolume, VolumeError, VolumeSettings},
+    math::progress::{Cancelled, Progress},
+    radiosity::{RadiosityError, RadiositySettings, RadiositySolution},
+    scene::{Scene, Target, world::World},
+};
+use std::{sync::Arc, time::Instant};
+
+/// What to solve, and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolveSettings {
+    /// Light on surfaces.
+    pub radiosity: RadiositySettings,
+    /// Light in the air; `None` where the scene has nothing to light with it.
+    pub volume: Option<VolumeSettings>,
+}
+
+/// Why there is no solution.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// Radiosity failed.
+    #[error("radiosity: {0}")]
+    Radiosity(#[from] RadiosityError),
+    /// The volume failed.
+    #[error("irradiance volume: {0}")]
+    Volume(#[from] VolumeError),
+    /// The user stopped it.
+    #[error("{0}")]
+    Cancelled(#[from] Cancelled),
+}
+
+impl SolveError {
+    /// Whether the user stopped it.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Cancelled(_) | Self::Radiosity(RadiosityError::Cancelled(_)) | Self::Volume(VolumeError::Cancelled(_)))
+    }
+}
+
+/// Shadow rays an area emitter and element while something moves.
+const MOVING_SHADOW_RAYS: u32 = 4;
+
+/// The latest solution, and how to bring it up to date.
+pub struct LiveTransport {
+    settings: SolveSettings,
+    solved: Arc<Scene>,
+    current: LightTransportSolution,
+    coarse: Vec<Target>,
+}
+
+impl LiveTransport {
+    /// Solves a scene from nothing. `show` receives every stage worth showing, the last one settled.
+    ///
+    /// # Errors
+    /// [`SolveError`], with nothing kept, when a room fails or the work is cancelled.
+    pub fn solve(scene: Arc<Scene>, settings: SolveSettings, progress: &Progress, show: &mut dyn FnMut(&LightTransportSolution)) -> Result<Self, SolveError> {
+        let mut provenance = Provenance { seed: settings.radiosity.seed, state: State::Refining, ..Provenance::default() };
+        let mut stage = |name: &str, from: Instant, provenance: &mut Provenance| {
+            provenance.stage_seconds.push((name.to_owned(), from.elapsed().as_secs_f64()));
+            provenance.revision += 1;
+        };
+        progress.begin("rays");
+        let start = Instant::now();
+        let world = Arc::new(World::new(&scene));
+        stage("rays", start, &mut provenance);
+        progress.report(1.0)?;
+
+        progress.begin("radiosity");
+        let start = Instant::now();
+        let radiosity = Arc::new(RadiositySolution::solve(&world, &settings.radiosity, progress)?);
+        stage("radiosity", start, &mut provenance);
+        let mut current = LightTransportSolution { scene: scene.clone(), world, radiosity, volume: None, moved_objects: Vec::new(), provenance };
+        if let Some(volume) = &settings.volume {
+            show(&current);
+            progress.begin("irradiance volume");
+            let start = Instant::now();
+            current.volume = Some(Arc::new(IrradianceVolume::build(&current.world, &current.radiosity, volume, progress)?));
+            stage("irradiance volume", start, &mut current.provenance);
+        }
+        current.provenance.state = State::Settled;
+        show(&current);
+        Ok(Self { settings, solved: scene, current, coarse: Vec::new() })
+    }
+
+    /// The latest solution.
+    pub fn current(&self) -> &LightTransportSolution {
+        &self.current
+    }
+
+    /// Brings the solution to a scene whose placements or dimmers changed, at once and coarsely.
+    ///
+    /// Lamps and emissive objects are relit through the cached transport. An object that moved casts
+    /// its shadow in the direct light of every emitter; its own transport waits for [`Self::refine`].
+    pub fn follow(&mut self, scene: Arc<Scene>) -> &LightTransportSolution {
+        let start = Instant::now();
+        let mut world = (*self.current.world).clone();
+        let changed = world.follow(&scene);
+        let relit = self.lights_touched(&scene, &changed);
+        self.current.scene = scene;
+        self.current.world = Arc::new(world);
+        self.relight(&relit, MOVING_SHADOW_RAYS);
+        for target in relit {
+            if !self.coarse.contains(&target) {
+                self.coarse.push(target);
+            }
+        }
+        self.current.moved_objects = self.moved_objects();
+        self.finish("follow", start, State::Refining);
+        &self.current
+    }
+
+    /// One step towards the settled solution: full-quality direct light first, then, if an object
+    /// has moved, a new transport. `None` when there is nothing left to do.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the new transport fails or is cancelled; the current solution stays.
+    pub fn refine(&mut self, progress: &Progress) -> Result<Option<&LightTransportSolution>, SolveError> {
+        if !self.coarse.is_empty() {
+            let start = Instant::now();
+            let targets = std::mem::take(&mut self.coarse);
+            self.relight(&targets, self.settings.radiosity.shadow_rays);
+            let state = if self.current.moved_objects.is_empty() { State::Settled } else { State::Refining };
+            self.finish("relight", start, state);
+            return Ok(Some(&self.current));
+        }
+        if self.current.moved_objects.is_empty() {
+            return Ok(None);
+        }
+        let revision = self.current.provenance.revision;
+        let solved = Self::solve(self.current.scene.clone(), self.settings.clone(), progress, &mut |_| {})?;
+        *self = solved;
+        self.current.provenance.revision += revision;
+        Ok(Some(&self.current))
+    }
+
+    /// Emitters whose direct light a change touches: themselves when only they changed, all of them
+    /// when something that casts shadows moved.
+    fn lights_touched(&self, scene: &Scene, changed: &[Target]) -> Vec<Target> {
+        let moved = changed.iter().any(|&t| matches!(t, Target::Object(_)) && scene.placement(t) != self.current.scene.placement(t));
+        if !moved {
+            return changed.to_vec();
+        }
+        let mut all: Vec<Target> = self.current.world.emitters.list.iter().map(|e| e.target()).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn relight(&mut self, targets: &[Target], shadow_rays: u32) {
+        if targets.is_empty() {
+            return;
+        }
+        let world = &self.current.world;
+        let radiosity = Arc::new(self.current.radiosity.relight(world, targets, shadow_rays));
+        if let Some(volume) = &self.current.volume {
+            self.current.volume = Some(Arc::new(volume.relight(world, &radiosity, targets)));
+        }
+        self.current.radiosity = radiosity;
+    }
+
+    /// Objects away from where the transport was solved.
+    fn moved_objects(&self) -> Vec<u32> {
+        let pairs = self.current.scene.objects.iter().zip(&self.solved.objects).enumerate();
+        pairs.filter(|(_, (now, then))| now.world_from_object != then.world_from_object).map(|(i, _)| i as u32).collect()
+    }
+
+    fn finish(&mut self, stage: &str, start: Instant, state: State) {
+        let provenance = &mut self.current.provenance;
+        provenance.state = state;
+        provenance.revision += 1;
+        provenance.stage_seconds = vec![(stage.to_owned(), start.elapsed().as_secs_f64())];
+    }
+}

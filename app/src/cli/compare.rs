@@ -1,0 +1,65 @@
+//! `compare`: how far two pictures are from each other.
+
+use super::solve;
+use anyhow::Context;
+use clap::Args;
+use lumenscope_core::{
+    io::{exr, png},
+    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
+    measure,
+    superposition::composite,
+};
+use std::path::{Path, PathBuf};
+
+/// Options of `compare`.
+#[derive(Args)]
+pub struct Options {
+    /// Picture under test.
+    a: PathBuf,
+    /// Picture to compare it with.
+    b: PathBuf,
+    /// Folder for the difference images.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Layer to compare; the picture itself by default.
+    #[arg(long, default_value = "")]
+    layer: String,
+}
+
+/// Compares and prints JSON.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
+    let display = composite::auto_display(&b);
+    let flip = measure::flip::flip(&composite::display(&a, &display), &composite::display(&b, &display), a.width, a.height)?;
+    let worst = measure::image::worst_pixel(&a, &b)?;
+    let report = serde_json::json!({
+        "mse": measure::image::mse(&a, &b)?,
+        "rel_mse": measure::image::rel_mse(&a, &b)?,
+        "smape": measure::image::smape(&a, &b)?,
+        "mean_signed": measure::image::mean_signed(&a, &b)?,
+        "flip": flip.mean,
+        "perceptual": measure::perceptual::difference(&a, &b)?,
+        "worst_pixel": { "x": worst.x, "y": worst.y, "difference": worst.difference },
+    });
+    println!("{}", serde_json::to_string_pretty(&report)?);
+    let Some(out) = &options.out else { return Ok(()) };
+    solve::output_folder(out)?;
+    let difference = LinearImage::from_fn(a.width, a.height, |x, y| (a.at(x, y) - b.at(x, y)).abs());
+    let high = difference.pixels.iter().map(|p| luminance(*p)).fold(0.0, f32::max);
+    let false_colour = FalseColour { palette: Default::default(), low: 0.0, high, logarithmic: false };
+    let shown = composite::Display { false_colour: Some(false_colour), ..display };
+    png::write_png(&out.join("difference.png"), a.width, a.height, &composite::display(&difference, &shown))?;
+    exr::write_layers(&out.join("difference.exr"), &[("", &difference)])?;
+    eprintln!("{}: absolute luminance difference, 0 to {high:.3} cd/m²", out.join("difference.png").display());
+    Ok(())
+}
+
+fn layer(path: &Path, name: &str) -> anyhow::Result<LinearImage> {
+    let layers = exr::read_layers(path)?;
+    let names: Vec<String> = layers.iter().map(|(n, _)| format!("`{n}`")).collect();
+    let found = layers.into_iter().find(|(n, _)| n == name);
+    Ok(found.with_context(|| format!("{}: no layer `{name}`, only {}", path.display(), names.join(", ")))?.1)
+}

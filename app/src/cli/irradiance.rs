@@ -1,0 +1,143 @@
+//! `irradiance`: illuminance at listed points, by the method of choice.
+
+use super::{Common, solve, table::{self, Column, PointRow}};
+use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use lumenscope_core::{
+    math::part::Part,
+    reference,
+    scene::{accel::Ray, direct::{self, Receiver}, world::World},
+    transport::LightTransportSolution,
+};
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// Options of `irradiance`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// CSV with the header `x,y,z,nx,ny,nz`, metres.
+    #[arg(long)]
+    points: PathBuf,
+    /// Method.
+    #[arg(long, value_enum)]
+    method: Method,
+    /// CSV to write: the same columns, then `E_r,E_g,E_b` in lx.
+    #[arg(long)]
+    out: PathBuf,
+    /// Part of the light.
+    #[arg(long, value_enum, default_value_t = PartOption::All)]
+    part: PartOption,
+    /// Paths a point, for the reference.
+    #[arg(long, default_value_t = 4096)]
+    spp: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Direct light at the point and indirect light from the radiosity elements; points lie on surfaces.
+    Radiosity,
+    /// Interpolated in the irradiance volume; points lie anywhere.
+    Volume,
+    /// Path traced, with standard errors.
+    Reference,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum PartOption {
+    /// Direct and indirect.
+    All,
+    /// Straight from the emitters.
+    Direct,
+    /// After at least one bounce.
+    Indirect,
+}
+
+impl From<PartOption> for Part {
+    fn from(option: PartOption) -> Self {
+        match option {
+            PartOption::All => Self::All,
+            PartOption::Direct => Self::Direct,
+            PartOption::Indirect => Self::Indirect,
+        }
+    }
+}
+
+/// Distance within which a point is taken to lie on a surface, m.
+const ON_SURFACE_M: f32 = 0.01;
+
+/// Computes and writes the table.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    let points = table::read_points(&options.points)?;
+    let loaded = solve::load(&options.scene, common)?;
+    let part = Part::from(options.part);
+    let columns = match options.method {
+        Method::Reference => reference_columns(&World::new(&loaded.scene), &points, part, options.spp, common.seed)?,
+        Method::Radiosity => {
+            let solution = solve::solve(&loaded, false)?;
+            rgb_columns(&radiosity(&solution, &points, part)?)
+        }
+        Method::Volume => {
+            let solution = solve::solve(&loaded, true)?;
+            let volume = solution.volume.context("the plan built no volume")?;
+            rgb_columns(&points.iter().map(|p| volume.irradiance(p.position, p.normal, part)).collect::<Vec<_>>())
+        }
+    };
+    solve::write(&options.out, &table::format_points(&points, &columns))
+}
+
+fn rgb_columns(values: &[Vec3]) -> Vec<Column> {
+    let channel = |i: usize| values.iter().map(|v| v[i]).collect();
+    vec![("E_r", channel(0)), ("E_g", channel(1)), ("E_b", channel(2))]
+}
+
+fn reference_columns(world: &World, points: &[PointRow], part: Part, samples: u32, seed: u64) -> anyhow::Result<Vec<Column>> {
+    let estimates = solve::watched(|progress| {
+        progress.begin("reference");
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        points
+            .par_iter()
+            .enumerate()
+            .map(|(i, p)| {
+                let receiver = Receiver::new(p.position, p.normal);
+                let estimate = reference::irradiance::irradiance(world, &receiver, part, samples, seed.wrapping_add(i as u64));
+                let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+                progress.report(count as f32 / points.len() as f32).map(|()| estimate)
+            })
+            .collect::<Result<Vec<_>, _>>()
+    })?;
+    let mut columns = rgb_columns(&estimates.iter().map(|e| e.mean).collect::<Vec<_>>());
+    let errors: Vec<Vec3> = estimates.iter().map(|e| e.standard_error).collect();
+    for (i, name) in ["stderr_r", "stderr_g", "stderr_b"].into_iter().enumerate() {
+        columns.push((name, errors.iter().map(|e| e[i]).collect()));
+    }
+    Ok(columns)
+}
+
+/// Direct light at the point itself, indirect light from the element under it, as a picture's pixels do.
+fn radiosity(solution: &LightTransportSolution, points: &[PointRow], part: Part) -> anyhow::Result<Vec<Vec3>> {
+    let world = &solution.world;
+    let mut values = Vec::with_capacity(points.len());
+    for (i, point) in points.iter().enumerate() {
+        let ray = Ray { t_max: 2.0 * ON_SURFACE_M, ..Ray::new(point.position + point.normal * ON_SURFACE_M, -point.normal) };
+        let Some(hit) = world.accel.trace(&ray) else {
+            bail!("point {} at {} lies on no surface (none within {ON_SURFACE_M} m): use --method volume", i + 1, point.position);
+        };
+        let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+        let mut value = Vec3::ZERO;
+        if part != Part::Indirect {
+            let receiver = Receiver { position: point.position, normal: point.normal, geometric_normal: surface.geometric_normal };
+            value += direct::total_irradiance(world, &receiver, 64, i as u32);
+        }
+        if part != Part::Direct {
+            value += solution.radiosity.irradiance(hit.triangle, hit.barycentric, surface.back, Part::Indirect);
+        }
+        values.push(value);
+    }
+    Ok(values)
+}

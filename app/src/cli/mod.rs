@@ -1,0 +1,117 @@
+//! The command line: one binary, one subcommand a job, one clear line when something is wrong.
+
+mod compare;
+mod headless;
+mod irradiance;
+mod probe;
+mod reference;
+mod render;
+mod replay;
+mod screenshots;
+mod solve;
+mod table;
+mod volume;
+
+use anyhow::Context;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// See where light flows in a scene, where it came from, and how well a method has captured it.
+#[derive(Parser)]
+#[command(name = "lumenscope", version, after_help = "Example: lumenscope scenes/office/office.ron")]
+struct Cli {
+    /// Scene (.ron, .gltf, .glb, .obj) or session (.lumenscope) to open in the window.
+    file: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Option<Job>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What every subcommand takes.
+#[derive(Args, Clone)]
+pub struct Common {
+    /// Seed of every random number.
+    #[arg(long, default_value_t = 1, global = true)]
+    pub seed: u64,
+    /// Threads; 0 takes one a core. The result does not depend on it.
+    #[arg(long, default_value_t = 0, global = true)]
+    pub threads: usize,
+    /// Relative error wanted of surface irradiance; settings the scene file leaves open follow from it.
+    #[arg(long, default_value_t = 0.04, global = true)]
+    pub tolerance: f32,
+}
+
+#[derive(Subcommand)]
+enum Job {
+    /// Render a picture, its layers and a report.
+    #[command(after_help = "Example: lumenscope render scenes/office/office.ron --out out --size 1280x720")]
+    Render(render::Options),
+    /// Irradiance at points listed in a CSV file.
+    #[command(after_help = "Example: lumenscope irradiance scenes/cornell/cornell.ron --points in.csv --method radiosity --out out.csv")]
+    Irradiance(irradiance::Options),
+    /// Radiance and irradiance spheres at one point.
+    #[command(after_help = "Example: lumenscope probe scenes/office/office.ron --at 1.0,1.2,0.5 --out out --bins 1682")]
+    Probe(probe::Options),
+    /// Build and save the irradiance volume.
+    #[command(after_help = "Example: lumenscope volume scenes/office/office.ron --out office.volume")]
+    Volume(volume::Options),
+    /// Path-traced picture with the variance of every pixel.
+    #[command(after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256")]
+    Reference(reference::Options),
+    /// Difference of two EXR pictures in numbers and images.
+    #[command(after_help = "Example: lumenscope compare out/layers.exr ref.exr --out difference")]
+    Compare(compare::Options),
+    /// Replay a recorded drag, timing every step.
+    #[command(after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out")]
+    Replay(replay::Options),
+    /// Everything in a scene that would make light wrong.
+    #[command(after_help = "Example: lumenscope check model.glb")]
+    Check {
+        /// Scene file.
+        scene: PathBuf,
+    },
+    /// Rewrite `screenshots/`: pictures of every scene, layer and view, made by the program.
+    #[command(after_help = "Example: lumenscope screenshots --out screenshots")]
+    Screenshots(screenshots::Options),
+}
+
+/// Parses the arguments and does what they ask.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run() -> anyhow::Result<()> {
+    let cli = Cli::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global().context("cannot start threads")?;
+    let common = &cli.common;
+    match cli.command {
+        None => headless::window_or_files(cli.file, common),
+        Some(Job::Render(options)) => render::run(&options, common),
+        Some(Job::Irradiance(options)) => irradiance::run(&options, common),
+        Some(Job::Probe(options)) => probe::run(&options, common),
+        Some(Job::Volume(options)) => volume::run(&options, common),
+        Some(Job::Reference(options)) => reference::run(&options, common),
+        Some(Job::Compare(options)) => compare::run(&options),
+        Some(Job::Replay(options)) => replay::run(&options, common),
+        Some(Job::Check { scene }) => solve::check(&scene),
+        Some(Job::Screenshots(options)) => screenshots::run(&options, common),
+    }
+}
+
+/// `WIDTHxHEIGHT`.
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match parsed {
+        Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
+        _ => Err(format!("`{text}` is not WIDTHxHEIGHT with both from 1 to 16384")),
+    }
+}
+
+/// `X,Y,Z` in metres.
+fn parse_point(text: &str) -> Result<glam::Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).filter(|n: &f32| n.is_finite()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(glam::Vec3::new(x, y, z)),
+        _ => Err(format!("`{text}` is not X,Y,Z in metres")),
+    }
+}

@@ -1,0 +1,42 @@
+//! `reference`: the path-traced picture.
+
+use super::{Common, parse_size, solve};
+use clap::Args;
+use lumenscope_core::{io::exr, reference::picture::ReferencePicture, scene::world::World, superposition::layers::Layer};
+use std::{path::PathBuf, sync::Arc};
+
+/// Options of `reference`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// EXR to write: the picture, its layers and the variance of every pixel's mean.
+    #[arg(long)]
+    out: PathBuf,
+    /// Paths a pixel.
+    #[arg(long, default_value_t = 64)]
+    spp: u32,
+    /// Picture size.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    size: [u32; 2],
+}
+
+/// Renders and writes it.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    let loaded = solve::load(&options.scene, common)?;
+    let world = Arc::new(World::new(&loaded.scene));
+    let mut picture = ReferencePicture::new(world, loaded.scene.camera, options.size[0], options.size[1], common.seed);
+    solve::watched(|progress| {
+        progress.begin("reference");
+        picture.add_samples(options.spp, progress)
+    })?;
+    let (mean, variance, layers) = (picture.mean(), picture.variance_of_mean(), picture.layers());
+    let mut named = vec![("", &mean), ("variance", &variance)];
+    named.extend(Layer::ALL.iter().zip(&layers).map(|(l, image)| (l.name(), image)));
+    exr::write_layers(&options.out, &named)?;
+    eprintln!("{}: {} paths a pixel", options.out.display(), options.spp);
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! `render`: picture, layers, report.
+
+use super::{Common, parse_size, solve};
+use clap::{Args, ValueEnum};
+use lumenscope_core::{
+    gpu,
+    io::exr,
+    math::{image::LinearImage, progress::Progress},
+    superposition::{
+        accumulate::Accumulator,
+        composite::{self, DirectQuality, Display},
+        layers::{Layer, Layers},
+        pass::{PassSettings, render},
+    },
+    transport::LightTransportSolution,
+};
+use std::{path::PathBuf, time::Instant};
+
+/// Options of `render`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// Folder for `picture.png`, `layers.exr` and `report.json`.
+    #[arg(long)]
+    out: PathBuf,
+    /// Picture size.
+    #[arg(long, default_value = "1280x720", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Where the picture is computed; `auto` takes a GPU that is not emulated, else the CPU.
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    backend: Backend,
+    /// Pictures averaged, each with its own sub-pixel offset and shadow rays.
+    #[arg(long, default_value_t = 8)]
+    frames: u32,
+}
+
+/// Where pictures are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// A GPU that is not emulated, else the CPU.
+    Auto,
+    /// The CPU: the specification.
+    Cpu,
+    /// The GPU, emulated or not.
+    Gpu,
+}
+
+/// Renders.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    solve::output_folder(&options.out)?;
+    let start = Instant::now();
+    let loaded = solve::load(&options.scene, common)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let solution = solve::solve(&loaded, false)?;
+    let start_picture = Instant::now();
+    let (layers, backend) = picture(&solution, options.size, options.frames, options.backend, common.seed)?;
+    let picture_seconds = start_picture.elapsed().as_secs_f64();
+    let total_seconds = start.elapsed().as_secs_f64();
+
+    let sum = layers.sum([1.0; 3]);
+    let display = composite::auto_display(&sum);
+    write_png(&options.out.join("picture.png"), &sum, &display)?;
+    write_layers(&options.out.join("layers.exr"), &layers)?;
+    let mut stages = vec![("load".to_owned(), load_seconds)];
+    stages.extend(solution.provenance.stage_seconds.clone());
+    stages.push(("picture".to_owned(), picture_seconds));
+    let report = serde_json::json!({
+        "scene": options.scene,
+        "size": options.size,
+        "backend": backend,
+        "threads": rayon::current_num_threads(),
+        "seed": common.seed,
+        "plan": loaded.plan.lines,
+        "stage_seconds": stages.iter().map(|(k, v)| (k.clone(), serde_json::json!(v))).collect::<serde_json::Map<_, _>>(),
+        "total_seconds": total_seconds,
+        "triangles": solution.world.geometry.len(),
+        "emitters": solution.world.emitters.len(),
+        "elements": solution.radiosity.direct.len(),
+        "radiosity": solution.radiosity.report(),
+        "volume": solution.volume.as_ref().map(|v| v.report()),
+        "peak_bytes": peak_bytes(),
+        "ev100": display.ev100,
+    });
+    solve::write(&options.out.join("report.json"), &serde_json::to_string_pretty(&report)?)?;
+    eprintln!("{}: {}x{} by {backend} in {total_seconds:.2} s", options.out.display(), options.size[0], options.size[1]);
+    Ok(())
+}
+
+/// The layers of a solution seen by its scene's camera, and the name of what computed them.
+///
+/// # Errors
+/// When a GPU is asked for and none answers.
+pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], frames: u32, backend: Backend, seed: u64) -> anyhow::Result<(Layers, String)> {
+    if backend != Backend::Cpu {
+        match gpu::offline::render(solution, &solution.scene.camera, [width, height], frames, backend == Backend::Gpu) {
+            Ok(done) => return Ok(done),
+            Err(error) if backend == Backend::Gpu => return Err(error.into()),
+            Err(_) => {}
+        }
+    }
+    let layers = solve::watched(|progress: &Progress| {
+        progress.begin("picture");
+        let mut mean = Accumulator::new(width, height);
+        for frame in 0..frames.max(1) {
+            let settings = PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
+            mean.add(&render(solution, &solution.scene.camera, width, height, &settings).1);
+            let _ = progress.report((frame + 1) as f32 / frames.max(1) as f32);
+        }
+        mean.mean()
+    });
+    Ok((layers, "cpu".into()))
+}
+
+/// Writes a picture as the display shows it.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn write_png(path: &std::path::Path, picture: &LinearImage, display: &Display) -> anyhow::Result<()> {
+    let pixels = composite::display(picture, display);
+    Ok(lumenscope_core::io::png::write_png(path, picture.width, picture.height, &pixels)?)
+}
+
+/// Writes the layers and their sum as one EXR.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn write_layers(path: &std::path::Path, layers: &Layers) -> anyhow::Result<()> {
+    let sum = layers.sum([1.0; 3]);
+    let mut named: Vec<(&str, &LinearImage)> = vec![("", &sum)];
+    named.extend(Layer::ALL.map(|l| (l.name(), layers.get(l))));
+    Ok(exr::write_layers(path, &named)?)
+}
+
+/// Largest resident size of this process so far, bytes; `None` where the system does not tell.
+pub fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
