@@ -1,1 +1,98 @@
-//! The only file that names every room.
+//! The only file that names every room: one row a view, for the program, the command line and the tour.
+
+use crate::{
+    inspection::InspectionScene,
+    irradiance_volume::{
+        inspect::{self as volume, VolumeView},
+        probe::{Probe, Quantity},
+    },
+    math::part::Part,
+    radiosity::inspect as radiosity,
+    transport::LightTransportSolution,
+};
+
+/// One inspection view.
+pub struct ViewRow {
+    /// Name in sessions, on the command line and in `screenshots/`: `room.view`.
+    pub id: &'static str,
+    /// Systems it shows, as in the README's table.
+    pub systems: &'static [&'static str],
+    /// Title on screen.
+    pub title: &'static str,
+    /// What it shows, with its equation.
+    pub tooltip: &'static str,
+    /// Makes it; `None` when the solution has nothing to show it with.
+    pub build: fn(&ViewInput) -> Option<InspectionScene>,
+}
+
+/// What views are made from.
+pub struct ViewInput<'a> {
+    /// The light.
+    pub solution: &'a LightTransportSolution,
+    /// The probe that is open.
+    pub probe: Option<&'a Probe>,
+    /// How the volume is shown.
+    pub volume: &'a VolumeView,
+}
+
+/// Radius of an open probe's spheres, as a share of the scene's diagonal.
+const PROBE_RADIUS: f32 = 0.02;
+
+/// Every view, room by room.
+pub const VIEWS: &[ViewRow] = &[
+    ViewRow {
+        id: "irradiance_volume.spheres",
+        systems: &["G2", "G3", "G5", "G8"],
+        title: "Volume samples",
+        tooltip: "A sphere at every sample of the irradiance volume. Its colour in direction ω is the irradiance E(ω) = ∫ L(ωᵢ) max(0, ω·ωᵢ) dωᵢ of a surface facing that way, or the radiance L(ω) that arrives from there.",
+        build: |input| {
+            let s = input.solution;
+            Some(volume::volume_spheres(s.volume.as_ref()?, &s.world, &*s.radiosity, input.volume))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.grid",
+        systems: &["G5"],
+        title: "Volume grid",
+        tooltip: "Cells of the bilevel grid. First-level cells that hold geometry are divided again.",
+        build: |input| {
+            Some(volume::grid_lines(input.solution.volume.as_ref()?, input.volume.first_level, input.volume.second_level))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.probe",
+        systems: &["G2", "G3"],
+        title: "Probe spheres",
+        tooltip: "The irradiance sphere at the picked point, standing in the scene.",
+        build: |input| {
+            let (low, high) = input.solution.world.geometry.bounds();
+            Some(volume::probe_scene(input.probe?, Quantity::Irradiance, input.volume.part, PROBE_RADIUS * (high - low).length()))
+        },
+    },
+    ViewRow {
+        id: "radiosity.elements",
+        systems: &["B2"],
+        title: "Radiosity elements",
+        tooltip: "The grid of elements on flat surfaces, on which radiosity B = ρ E is solved.",
+        build: |input| Some(radiosity::wireframe(&input.solution.radiosity)),
+    },
+    ViewRow {
+        id: "radiosity.irradiance",
+        systems: &["B2", "B3"],
+        title: "Surface irradiance",
+        tooltip: "Irradiance E in lx at every element, interpolated over the surface: light without reflectance.",
+        build: |input| Some(radiosity::irradiance(&input.solution.radiosity, &input.solution.world, Part::All)),
+    },
+    ViewRow {
+        id: "radiosity.residual",
+        systems: &["B2"],
+        title: "Radiosity residual",
+        tooltip: "How far each element is from balance: |B − ρ (E_direct + Σ T B)| in lx after the last sweep.",
+        build: |input| Some(radiosity::residual(&input.solution.radiosity, &input.solution.world)),
+    },
+];
+
+/// The view with this id.
+pub fn view(id: &str) -> Option<&'static ViewRow> {
+    VIEWS.iter().find(|v| v.id == id)
+}
