@@ -1,6 +1,6 @@
 //! `compare`: how far two pictures are from each other.
 
-use super::solve;
+use super::{render::auto_display, solve};
 use anyhow::Context;
 use clap::Args;
 use lumenscope_core::{
@@ -32,7 +32,7 @@ pub struct Options {
 /// One line naming the file and the cause.
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
-    let display = composite::auto_display(&b);
+    let display = auto_display(&b);
     let flip = measure::flip::flip(&composite::display(&a, &display), &composite::display(&b, &display), a.width, a.height)?;
     let worst = measure::image::worst_pixel(&a, &b)?;
     let report = serde_json::json!({

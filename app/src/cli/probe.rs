@@ -1,6 +1,6 @@
 //! `probe`: the spheres at one point.
 
-use super::{Common, parse_point, render::write_png, solve};
+use super::{Common, parse_point, render::{auto_display, write_png}, solve};
 use anyhow::bail;
 use clap::Args;
 use glam::Vec3;
@@ -8,7 +8,6 @@ use lumenscope_core::{
     io::exr,
     irradiance_volume::probe::Probe,
     math::{colour::luminance, image::LinearImage, part::Part, sphere_map::DirectionBins},
-    superposition::composite,
 };
 use std::path::PathBuf;
 
@@ -47,8 +46,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let bins = DirectionBins::new(n);
     let radiance = sphere(&probe.radiance, bins);
     let irradiance = sphere(&probe.irradiance(Part::All), bins);
-    write_png(&options.out.join("radiance.png"), &radiance, &composite::auto_display(&radiance))?;
-    write_png(&options.out.join("irradiance.png"), &irradiance, &composite::auto_display(&irradiance))?;
+    write_png(&options.out.join("radiance.png"), &radiance, &auto_display(&radiance))?;
+    write_png(&options.out.join("irradiance.png"), &irradiance, &auto_display(&irradiance))?;
     let [upper, lower] = unfolded(&probe.radiance, n);
     let [upper_e, lower_e] = unfolded(&probe.irradiance(Part::All), n);
     let images = [("radiance_upper", &upper), ("radiance_lower", &lower), ("irradiance_upper", &upper_e), ("irradiance_lower", &lower_e)];

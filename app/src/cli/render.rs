@@ -7,7 +7,7 @@ use lumenscope_core::{
     io::exr,
     math::{image::LinearImage, progress::Progress},
     superposition::{
-        accumulate::Accumulator,
+        accumulator::Accumulator,
         composite::{self, DirectQuality, Display},
         layers::{Layer, Layers},
         pass::{PassSettings, render},
@@ -62,7 +62,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let total_seconds = start.elapsed().as_secs_f64();
 
     let sum = layers.sum([1.0; 3]);
-    let display = composite::auto_display(&sum);
+    let display = auto_display(&sum);
     write_png(&options.out.join("picture.png"), &sum, &display)?;
     write_layers(&options.out.join("layers.exr"), &layers)?;
     let mut stages = vec![("load".to_owned(), load_seconds)];
@@ -96,7 +96,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 /// When a GPU is asked for and none answers.
 pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], frames: u32, backend: Backend, seed: u64) -> anyhow::Result<(Layers, String)> {
     if backend != Backend::Cpu {
-        match gpu::offline::render(solution, &solution.scene.camera, [width, height], frames, backend == Backend::Gpu) {
+        match gpu::offline::render(solution, &solution.scene.camera, [width, height], frames, seed, backend == Backend::Gpu) {
             Ok(done) => return Ok(done),
             Err(error) if backend == Backend::Gpu => return Err(error.into()),
             Err(_) => {}
@@ -104,7 +104,7 @@ pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], fra
     }
     let layers = solve::watched(|progress: &Progress| {
         progress.begin("picture");
-        let mut mean = Accumulator::new(width, height);
+        let mut mean = Accumulator::new();
         for frame in 0..frames.max(1) {
             let settings = PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
             mean.add(&render(solution, &solution.scene.camera, width, height, &settings).1);
@@ -113,6 +113,12 @@ pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], fra
         mean.mean()
     });
     Ok((layers, "cpu".into()))
+}
+
+/// The display a picture is written with: filmic, exposed by its log-average luminance.
+pub fn auto_display(picture: &LinearImage) -> Display {
+    let standard = Display::default();
+    Display { ev100: composite::auto_exposure(picture).unwrap_or(standard.ev100), ..standard }
 }
 
 /// Writes a picture as the display shows it.

@@ -38,6 +38,8 @@ pub enum GpuError {
 pub struct GpuContext {
     /// Name and driver of the adapter, for the log and the report.
     pub adapter: String,
+    /// Whether a processor stands in for a graphics card.
+    pub emulated: bool,
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
@@ -65,7 +67,7 @@ impl GpuContext {
             ..Default::default()
         }))
         .map_err(|e| GpuError::NoDevice { adapter: name.clone(), reason: e.to_string() })?;
-        Ok(Self { adapter: name, device, queue })
+        Ok(Self { adapter: name, emulated: info.device_type == wgpu::DeviceType::Cpu, device, queue })
     }
 }
 

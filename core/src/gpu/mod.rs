@@ -4,6 +4,7 @@
 //! two. The GPU shows, it does not solve: what it draws was computed by the solvers.
 
 pub mod device;
+pub mod offline;
 pub mod renderer;
 
 pub use device::{GpuContext, GpuError, required_features, required_limits};
