@@ -72,17 +72,20 @@ impl EmitterLight {
         Self { placement, dimmer: 0.0, at_full: None }
     }
 
-    /// The light after the emitter has changed: a factor if it was only dimmed, new rays if it moved.
+    /// The light after the emitter may have changed: a factor if it was only dimmed, new rays if it
+    /// moved or `again` asks for them.
     pub fn follow(
         &self,
         world: &World,
         transport: &Transport,
         emitter: &Emitter,
+        again: bool,
         shadow_rays: u32,
         seed: u64,
     ) -> Self {
         let (placement, dimmer) = state(world, emitter);
-        if placement == self.placement && (self.at_full.is_some() || dimmer == 0.0) {
+        if !(again && dimmer > 0.0)
+            && placement == self.placement && (self.at_full.is_some() || dimmer == 0.0) {
             return Self { dimmer, ..self.clone() };
         }
         // Nobody cancels silent progress.

@@ -176,28 +176,27 @@ impl RadiositySolution {
         if converged { Ok(solution) } else { Err(RadiosityError::NotConverged { error_bound, sweeps }) }
     }
 
-    /// The solution after `changed` targets of `world` were moved or dimmed since this one.
+    /// The solution after targets of `world` were moved or dimmed since this one.
     ///
-    /// Emitters among them get new shadow rays if they moved and a factor if they were dimmed; the
-    /// transport is kept, so objects that only reflect leave no trace here. Sweeps start from this
-    /// solution and stop after `max_sweeps`; [`Self::convergence`] says how far they came.
-    pub fn relight(&self, world: &World, changed: &[Target], shadow_rays: u32, max_sweeps: u32) -> Self {
+    /// A dimmed emitter costs a factor; one that moved, or is named by `retrace` because what shadows
+    /// it moved, costs new shadow rays. The transport is kept, so objects that only reflect leave no
+    /// trace in indirect light. Sweeps start from this solution and stop after `max_sweeps`;
+    /// [`Self::convergence`] says how far they came.
+    pub fn relight(&self, world: &World, retrace: &[Target], shadow_rays: u32, max_sweeps: u32) -> Self {
         let seed = self.settings.seed;
         let known = self.lights.len() == world.emitters.len();
-        let mut lights = Vec::with_capacity(world.emitters.len());
-        for (i, emitter) in world.emitters.list.iter().enumerate() {
-            lights.push(match self.lights.get(i).filter(|_| known) {
-                Some(light) if !changed.contains(&emitter.target()) => light.clone(),
-                Some(light) => light.follow(world, &self.transport, emitter, shadow_rays, seed),
-                None => EmitterLight::unlit(world, emitter).follow(
-                    world,
-                    &self.transport,
-                    emitter,
-                    shadow_rays,
-                    seed,
-                ),
-            });
-        }
+        let lights = world
+            .emitters
+            .list
+            .iter()
+            .enumerate()
+            .map(|(i, emitter)| {
+                let unlit = || EmitterLight::unlit(world, emitter);
+                let light = self.lights.get(i).filter(|_| known).cloned().unwrap_or_else(unlit);
+                let again = retrace.contains(&emitter.target());
+                light.follow(world, &self.transport, emitter, again, shadow_rays, seed)
+            })
+            .collect();
         // Nobody cancels silent progress.
         Self::converge(
             self.transport.clone(),

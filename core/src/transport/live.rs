@@ -42,19 +42,24 @@ pub enum SolveError {
 impl SolveError {
     /// Whether the user stopped it.
     pub fn is_cancelled(&self) -> bool {
-        matches!(self, Self::Cancelled(_) | Self::Radiosity(RadiosityError::Cancelled(_)) | Self::Volume(VolumeError::Cancelled(_)))
+        matches!(self, Self::Cancelled(_) | Self::Radiosity(RadiosityError::Cancelled) | Self::Volume(VolumeError::Cancelled(_)))
     }
 }
 
 /// Shadow rays an area emitter and element while something moves.
 const MOVING_SHADOW_RAYS: u32 = 4;
+/// Sweeps of the interreflection while something moves; each starts from the last solution.
+const MOVING_SWEEPS: u32 = 4;
 
 /// The latest solution, and how to bring it up to date.
 pub struct LiveTransport {
     settings: SolveSettings,
     solved: Arc<Scene>,
     current: LightTransportSolution,
+    /// Emitters whose shadow rays are coarse.
     coarse: Vec<Target>,
+    /// Whether sweeps or shadow rays were cut short.
+    unsettled: bool,
 }
 
 impl LiveTransport {
@@ -88,7 +93,7 @@ impl LiveTransport {
         }
         current.provenance.state = State::Settled;
         show(&current);
-        Ok(Self { settings, solved: scene, current, coarse: Vec::new() })
+        Ok(Self { settings, solved: scene, current, coarse: Vec::new(), unsettled: false })
     }
 
     /// The latest solution.
@@ -107,12 +112,13 @@ impl LiveTransport {
         let relit = self.lights_touched(&scene, &changed);
         self.current.scene = scene;
         self.current.world = Arc::new(world);
-        self.relight(&relit, MOVING_SHADOW_RAYS);
+        self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS);
         for target in relit {
             if !self.coarse.contains(&target) {
                 self.coarse.push(target);
             }
         }
+        self.unsettled |= !changed.is_empty();
         self.current.moved_objects = self.moved_objects();
         self.finish("follow", start, State::Refining);
         &self.current
@@ -124,10 +130,11 @@ impl LiveTransport {
     /// # Errors
     /// [`SolveError`] when the new transport fails or is cancelled; the current solution stays.
     pub fn refine(&mut self, progress: &Progress) -> Result<Option<&LightTransportSolution>, SolveError> {
-        if !self.coarse.is_empty() {
+        if std::mem::take(&mut self.unsettled) {
             let start = Instant::now();
             let targets = std::mem::take(&mut self.coarse);
-            self.relight(&targets, self.settings.radiosity.shadow_rays);
+            let RadiositySettings { shadow_rays, max_sweeps, .. } = self.settings.radiosity;
+            self.relight(&[], &targets, shadow_rays, max_sweeps);
             let state = if self.current.moved_objects.is_empty() { State::Settled } else { State::Refining };
             self.finish("relight", start, state);
             return Ok(Some(&self.current));
@@ -142,12 +149,13 @@ impl LiveTransport {
         Ok(Some(&self.current))
     }
 
-    /// Emitters whose direct light a change touches: themselves when only they changed, all of them
-    /// when something that casts shadows moved.
+    /// Emitters whose shadow rays a change makes stale: lamps that moved, and all emitters when an
+    /// object moved, since it may shadow any.
     fn lights_touched(&self, scene: &Scene, changed: &[Target]) -> Vec<Target> {
-        let moved = changed.iter().any(|&t| matches!(t, Target::Object(_)) && scene.placement(t) != self.current.scene.placement(t));
-        if !moved {
-            return changed.to_vec();
+        let moved = |&&t: &&Target| scene.placement(t) != self.current.scene.placement(t);
+        let moved: Vec<Target> = changed.iter().filter(moved).copied().collect();
+        if !moved.iter().any(|t| matches!(t, Target::Object(_))) {
+            return moved;
         }
         let mut all: Vec<Target> = self.current.world.emitters.list.iter().map(|e| e.target()).collect();
         all.sort_unstable();
@@ -155,14 +163,11 @@ impl LiveTransport {
         all
     }
 
-    fn relight(&mut self, targets: &[Target], shadow_rays: u32) {
-        if targets.is_empty() {
-            return;
-        }
+    fn relight(&mut self, changed: &[Target], retrace: &[Target], shadow_rays: u32, max_sweeps: u32) {
         let world = &self.current.world;
-        let radiosity = Arc::new(self.current.radiosity.relight(world, targets, shadow_rays));
+        let radiosity = Arc::new(self.current.radiosity.relight(world, retrace, shadow_rays, max_sweeps));
         if let Some(volume) = &self.current.volume {
-            self.current.volume = Some(Arc::new(volume.relight(world, &radiosity, targets)));
+            self.current.volume = Some(Arc::new(volume.relight(world, &*radiosity, changed)));
         }
         self.current.radiosity = radiosity;
     }
