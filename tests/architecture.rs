@@ -45,12 +45,14 @@ fn rank(module: &str) -> Option<usize> {
 
 /// Modules of the crate that a source names through `crate::`, outside comments.
 fn named_modules(text: &str) -> Vec<String> {
-    let code: String = text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
+    let code: String =
+        text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
     let mut names = Vec::new();
     for (at, _) in code.match_indices("crate::") {
         let rest = &code[at + 7..];
         let mut word = |s: &str| {
-            let name: String = s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let name: String =
+                s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             if !name.is_empty() {
                 names.push(name);
             }
@@ -86,7 +88,11 @@ fn earlier_modules_never_name_later_ones() {
     let mut arrows = 0;
     for path in sources(&core, "rs") {
         let relative = path.strip_prefix(&core).unwrap_or(&path);
-        let own = relative.components().next().map(|c| c.as_os_str().to_string_lossy().into_owned()).unwrap_or_default();
+        let own = relative
+            .components()
+            .next()
+            .map(|c| c.as_os_str().to_string_lossy().into_owned())
+            .unwrap_or_default();
         let own = own.trim_end_matches(".rs");
         let stage = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         let Some(own_rank) = rank(own) else { continue };

@@ -56,7 +56,11 @@ pub const VIEWS: &[ViewRow] = &[
         title: "Volume grid",
         tooltip: "Cells of the bilevel grid. First-level cells that hold geometry are divided again.",
         build: |input| {
-            Some(volume::grid_lines(input.solution.volume.as_ref()?, input.volume.first_level, input.volume.second_level))
+            Some(volume::grid_lines(
+                input.solution.volume.as_ref()?,
+                input.volume.first_level,
+                input.volume.second_level,
+            ))
         },
     },
     ViewRow {
@@ -66,7 +70,12 @@ pub const VIEWS: &[ViewRow] = &[
         tooltip: "The irradiance sphere at the picked point, standing in the scene.",
         build: |input| {
             let (low, high) = input.solution.world.geometry.bounds();
-            Some(volume::probe_scene(input.probe?, Quantity::Irradiance, input.volume.part, PROBE_RADIUS * (high - low).length()))
+            Some(volume::probe_scene(
+                input.probe?,
+                Quantity::Irradiance,
+                input.volume.part,
+                PROBE_RADIUS * (high - low).length(),
+            ))
         },
     },
     ViewRow {
@@ -81,7 +90,9 @@ pub const VIEWS: &[ViewRow] = &[
         systems: &["B2", "B3"],
         title: "Surface irradiance",
         tooltip: "Irradiance E in lx at every element, interpolated over the surface: light without reflectance.",
-        build: |input| Some(radiosity::irradiance(&input.solution.radiosity, &input.solution.world, Part::All)),
+        build: |input| {
+            Some(radiosity::irradiance(&input.solution.radiosity, &input.solution.world, Part::All))
+        },
     },
     ViewRow {
         id: "radiosity.residual",

@@ -7,7 +7,11 @@ use lumenscope_core::{
     math::{frame::uniform_direction, part::Part, progress::Progress, random::Rng},
     radiosity::{RadiositySettings, RadiositySolution},
     scene::{Scene, Target, accel::Ray, import, world::World},
-    superposition::{composite::DirectQuality, pass::{PassSettings, render}, plan::Plan},
+    superposition::{
+        composite::DirectQuality,
+        pass::{PassSettings, render},
+        plan::Plan,
+    },
     transport::live::LiveTransport,
 };
 use std::{hint::black_box, path::Path, sync::Arc, time::Duration};
@@ -16,7 +20,8 @@ use std::{hint::black_box, path::Path, sync::Arc, time::Duration};
 const BATCH: u64 = 100_000;
 
 fn main() {
-    let mut criterion = Criterion::default().configure_from_args().sample_size(10).measurement_time(Duration::from_secs(5));
+    let mut criterion =
+        Criterion::default().configure_from_args().sample_size(10).measurement_time(Duration::from_secs(5));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/office/office.ron");
     let scene = match import::load(&path) {
         Ok(scene) => Arc::new(scene),
@@ -41,8 +46,12 @@ fn rays(criterion: &mut Criterion, world: &World) {
         .collect();
     let mut group = criterion.benchmark_group("rays, one thread");
     group.throughput(Throughput::Elements(BATCH));
-    group.bench_function("nearest hit, incoherent", |b| b.iter(|| rays.iter().filter(|r| world.accel.trace(r).is_some()).count()));
-    group.bench_function("any hit, incoherent", |b| b.iter(|| rays.iter().filter(|r| world.accel.occluded(r)).count()));
+    group.bench_function("nearest hit, incoherent", |b| {
+        b.iter(|| rays.iter().filter(|r| world.accel.trace(r).is_some()).count())
+    });
+    group.bench_function("any hit, incoherent", |b| {
+        b.iter(|| rays.iter().filter(|r| world.accel.occluded(r)).count())
+    });
     group.finish();
 }
 
@@ -51,20 +60,26 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &W
     let solve = |settings: &RadiositySettings| RadiositySolution::solve(world, settings, &Progress::silent());
     let Ok(radiosity) = solve(&plan.solve.radiosity) else { return eprintln!("radiosity failed") };
     let thesis = VolumeSettings { bins_n: 17, ..plan.solve.volume.clone().unwrap_or_default() };
-    let Ok(volume) = IrradianceVolume::build(world, &radiosity, &thesis, &silent) else { return eprintln!("volume failed") };
+    let Ok(volume) = IrradianceVolume::build(world, &radiosity, &thesis, &silent) else {
+        return eprintln!("volume failed");
+    };
     eprintln!("elements {}, volume {:?}", radiosity.direct.len(), volume.report());
 
     let mut group = criterion.benchmark_group("office");
     group.bench_function("file to first lit picture 640x360 (goal 4 s)", |b| {
         b.iter(|| {
             let scene = Arc::new(import::load(path).unwrap_or_default());
-            let live = LiveTransport::solve(scene.clone(), plan.solve.clone(), &Progress::silent(), &mut |_| {});
-            let settings = PassSettings { direct: DirectQuality::PerPixel(1), frame: 0, jitter: false, seed: 1 };
+            let live =
+                LiveTransport::solve(scene.clone(), plan.solve.clone(), &Progress::silent(), &mut |_| {});
+            let settings =
+                PassSettings { direct: DirectQuality::PerPixel(1), frame: 0, jitter: false, seed: 1 };
             live.map(|l| black_box(render(l.current(), &scene.camera, 640, 360, &settings)))
         });
     });
     group.bench_function("radiosity", |b| b.iter(|| solve(&plan.solve.radiosity)));
-    group.bench_function("volume, 578 bins (goal 2 s)", |b| b.iter(|| IrradianceVolume::build(world, &radiosity, &thesis, &silent)));
+    group.bench_function("volume, 578 bins (goal 2 s)", |b| {
+        b.iter(|| IrradianceVolume::build(world, &radiosity, &thesis, &silent))
+    });
     group.throughput(Throughput::Elements(BATCH));
     let (low, high) = world.geometry.bounds();
     let queries: Vec<(Vec3, Vec3)> = (0..BATCH)
@@ -82,7 +97,9 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &W
 }
 
 fn drags(criterion: &mut Criterion, scene: &Arc<Scene>, plan: &Plan) {
-    let Ok(mut live) = LiveTransport::solve(scene.clone(), plan.solve.clone(), &Progress::silent(), &mut |_| {}) else {
+    let Ok(mut live) =
+        LiveTransport::solve(scene.clone(), plan.solve.clone(), &Progress::silent(), &mut |_| {})
+    else {
         return eprintln!("the office was not solved");
     };
     let lamp = scene.objects.iter().position(|o| o.movable && o.name.contains("Desk lamp"));
@@ -96,7 +113,9 @@ fn drags(criterion: &mut Criterion, scene: &Arc<Scene>, plan: &Plan) {
         Arc::new(moved)
     };
     let mut group = criterion.benchmark_group("lamp drag");
-    group.bench_function("first correct update (goal 100 ms)", |b| b.iter(|| black_box(live.follow(next(scene)).provenance.revision)));
+    group.bench_function("first correct update (goal 100 ms)", |b| {
+        b.iter(|| black_box(live.follow(next(scene)).provenance.revision))
+    });
     group.bench_function("full-quality direct light (goal 1 s)", |b| {
         b.iter(|| {
             live.follow(next(scene));

@@ -85,7 +85,9 @@ impl EmitterLight {
     ) -> Self {
         let (placement, dimmer) = state(world, emitter);
         if !(again && dimmer > 0.0)
-            && placement == self.placement && (self.at_full.is_some() || dimmer == 0.0) {
+            && placement == self.placement
+            && (self.at_full.is_some() || dimmer == 0.0)
+        {
             return Self { dimmer, ..self.clone() };
         }
         // Nobody cancels silent progress.

@@ -7,7 +7,10 @@
 //! solved anew. Not a full solve a step: that is a hundred times the work for a difference that is
 //! mostly below what the eye sees while things move.
 
-use super::{LightTransportSolution, solution::{Provenance, State}};
+use super::{
+    LightTransportSolution,
+    solution::{Provenance, State},
+};
 use crate::{
     irradiance_volume::{IrradianceVolume, VolumeError, VolumeSettings},
     math::progress::{Cancelled, Progress},
@@ -42,7 +45,12 @@ pub enum SolveError {
 impl SolveError {
     /// Whether the user stopped it.
     pub fn is_cancelled(&self) -> bool {
-        matches!(self, Self::Cancelled(_) | Self::Radiosity(RadiosityError::Cancelled) | Self::Volume(VolumeError::Cancelled(_)))
+        matches!(
+            self,
+            Self::Cancelled(_)
+                | Self::Radiosity(RadiosityError::Cancelled)
+                | Self::Volume(VolumeError::Cancelled(_))
+        )
     }
 }
 
@@ -67,9 +75,15 @@ impl LiveTransport {
     ///
     /// # Errors
     /// [`SolveError`], with nothing kept, when a room fails or the work is cancelled.
-    pub fn solve(scene: Arc<Scene>, settings: SolveSettings, progress: &Progress, show: &mut dyn FnMut(&LightTransportSolution)) -> Result<Self, SolveError> {
-        let mut provenance = Provenance { seed: settings.radiosity.seed, state: State::Refining, ..Provenance::default() };
-        let mut stage = |name: &str, from: Instant, provenance: &mut Provenance| {
+    pub fn solve(
+        scene: Arc<Scene>,
+        settings: SolveSettings,
+        progress: &Progress,
+        show: &mut dyn FnMut(&LightTransportSolution),
+    ) -> Result<Self, SolveError> {
+        let mut provenance =
+            Provenance { seed: settings.radiosity.seed, state: State::Refining, ..Provenance::default() };
+        let stage = |name: &str, from: Instant, provenance: &mut Provenance| {
             provenance.stage_seconds.push((name.to_owned(), from.elapsed().as_secs_f64()));
             provenance.revision += 1;
         };
@@ -83,12 +97,24 @@ impl LiveTransport {
         let start = Instant::now();
         let radiosity = Arc::new(RadiositySolution::solve(&world, &settings.radiosity, progress)?);
         stage("radiosity", start, &mut provenance);
-        let mut current = LightTransportSolution { scene: scene.clone(), world, radiosity, volume: None, moved_objects: Vec::new(), provenance };
+        let mut current = LightTransportSolution {
+            scene: scene.clone(),
+            world,
+            radiosity,
+            volume: None,
+            moved_objects: Vec::new(),
+            provenance,
+        };
         if let Some(volume) = &settings.volume {
             show(&current);
             progress.begin("irradiance volume");
             let start = Instant::now();
-            current.volume = Some(Arc::new(IrradianceVolume::build(&current.world, &current.radiosity, volume, progress)?));
+            current.volume = Some(Arc::new(IrradianceVolume::build(
+                &current.world,
+                &*current.radiosity,
+                volume,
+                progress,
+            )?));
             stage("irradiance volume", start, &mut current.provenance);
         }
         current.provenance.state = State::Settled;
@@ -175,7 +201,10 @@ impl LiveTransport {
     /// Objects away from where the transport was solved.
     fn moved_objects(&self) -> Vec<u32> {
         let pairs = self.current.scene.objects.iter().zip(&self.solved.objects).enumerate();
-        pairs.filter(|(_, (now, then))| now.world_from_object != then.world_from_object).map(|(i, _)| i as u32).collect()
+        pairs
+            .filter(|(_, (now, then))| now.world_from_object != then.world_from_object)
+            .map(|(i, _)| i as u32)
+            .collect()
     }
 
     fn finish(&mut self, stage: &str, start: Instant, state: State) {
