@@ -12,5 +12,6 @@ pub mod layers;
 pub mod moved;
 pub mod overlay;
 pub mod pass;
+pub mod plan;
 
 pub use pass::{PassSettings, render};
