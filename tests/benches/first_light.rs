@@ -63,7 +63,7 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &W
     let Ok(volume) = IrradianceVolume::build(world, &radiosity, &thesis, &silent) else {
         return eprintln!("volume failed");
     };
-    eprintln!("elements {}, volume {:?}", radiosity.direct.len(), volume.report());
+    eprintln!("elements {}, volume samples {}", radiosity.direct.len(), volume.samples().len());
 
     let mut group = criterion.benchmark_group("office");
     group.bench_function("file to first lit picture 640x360 (goal 4 s)", |b| {
