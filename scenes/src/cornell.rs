@@ -1,0 +1,114 @@
+//! The Cornell box, with the dimensions published at <https://www.graphics.cornell.edu/online/box/data.html>.
+//!
+//! The published box is turned by half a turn about the vertical so that it is right-handed and the
+//! camera looks along −z; its slightly skew measured floor is a rectangle here. The blocks stand 1 mm
+//! above the floor and may be dragged.
+
+use crate::glb::{Material, Model, Parts};
+use crate::shapes::{
+    Shape,
+    boxes::{hexahedron, plain},
+    v,
+};
+use glam::DVec3;
+use std::path::PathBuf;
+
+const WIDTH: f64 = 0.5528;
+const HEIGHT: f64 = 0.5488;
+const DEPTH: f64 = 0.5592;
+/// Radiance of the lamp, cd/m², in the published warm ratio 17 : 12 : 4.
+const LAMP_RADIANCE: [f64; 3] = [17_000.0, 12_000.0, 4_000.0];
+
+/// A published point, in millimetres, in our frame.
+fn published(x: f64, y: f64, z: f64) -> DVec3 {
+    v(0.5 * WIDTH - x * 1e-3, y * 1e-3, -z * 1e-3)
+}
+
+/// `cornell/cornell.glb` and `cornell/cornell.ron`.
+pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
+    vec![
+        ("cornell/cornell.glb".into(), model().bytes()),
+        ("cornell/cornell.ron".into(), RON.as_bytes().to_vec()),
+    ]
+}
+
+const RON: &str = "\
+// The Cornell box, in metres, from its published dimensions; the lamp is an emissive rectangle.
+// Both blocks may be dragged.
+(
+    models: [(file: \"cornell.glb\")],
+    movable: [\"Short block\", \"Tall block\"],
+    camera: Some((
+        eye: (0.0, 0.273, 0.8),
+        target: (0.0, 0.273, 0.0),
+        up: (0.0, 1.0, 0.0),
+        // 2 atan(0.0125 / 0.035): the published lens and film.
+        vertical_fov: 0.6861,
+    )),
+    planes: [(
+        name: \"Floor\",
+        corner: (-0.2764, 0.0, 0.0),
+        edge_u: (0.5528, 0.0, 0.0),
+        edge_v: (0.0, 0.0, -0.5592),
+    )],
+)
+";
+
+fn model() -> Model {
+    let mut model = Model::default();
+    let white = model.material(Material::new("White", [0.73, 0.73, 0.73]));
+    let red = model.material(Material::new("Red", [0.63, 0.06, 0.05]));
+    let green = model.material(Material::new("Green", [0.14, 0.45, 0.09]));
+    let lamp = model.material(Material::new("Lamp", [0.0; 3]).emitting(LAMP_RADIANCE));
+    let (x, y, z) = (0.5 * WIDTH, HEIGHT, -DEPTH);
+    let corner =
+        |sx: f64, top: bool, back: bool| v(sx * x, if top { y } else { 0.0 }, if back { z } else { 0.0 });
+    let wall = |c: [(f64, bool, bool); 4]| plain(c.map(|(s, t, b)| corner(s, t, b)));
+    let (l, r) = (-1.0, 1.0);
+    let floor = wall([(l, false, false), (r, false, false), (r, false, true), (l, false, true)]);
+    let ceiling = wall([(l, true, true), (r, true, true), (r, true, false), (l, true, false)]);
+    let back = wall([(l, false, true), (r, false, true), (r, true, true), (l, true, true)]);
+    let left = wall([(l, false, false), (l, false, true), (l, true, true), (l, true, false)]);
+    let right = wall([(r, false, true), (r, false, false), (r, true, false), (r, true, true)]);
+    model.stand("Floor", Parts::of(white, floor));
+    model.stand("Ceiling", Parts::of(white, ceiling));
+    model.stand("Back wall", Parts::of(white, back));
+    model.stand("Left wall", Parts::of(red, left));
+    model.stand("Right wall", Parts::of(green, right));
+    // 1 mm below the ceiling.
+    let lamp_y = HEIGHT * 1e3 - 1.0;
+    let corners = [(343.0, 332.0), (213.0, 332.0), (213.0, 227.0), (343.0, 227.0)];
+    model.stand("Lamp", Parts::of(lamp, plain(corners.map(|(x, z)| published(x, lamp_y, z)))));
+    let short = [(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)];
+    let tall = [(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)];
+    block(&mut model, "Short block", white, short, 165.0);
+    block(&mut model, "Tall block", white, tall, 330.0);
+    model
+}
+
+/// A block from the published corners of its top, its origin in the middle of its foot.
+fn block(model: &mut Model, name: &str, material: usize, top: [(f64, f64); 4], height: f64) {
+    let middle = top.iter().map(|&(x, z)| published(x, 0.0, z)).sum::<DVec3>() / 4.0;
+    let foot = top.map(|(x, z)| published(x, 0.0, z) - middle);
+    let lift = v(0.0, height * 1e-3, 0.0);
+    let mut corners = [DVec3::ZERO; 8];
+    for i in 0..4 {
+        corners[i] = foot[i];
+        corners[i + 4] = foot[i] + lift;
+    }
+    let turn = |s: &Shape| {
+        let volume: f64 = s
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|i| s.positions[i as usize]);
+                a.dot(b.cross(c))
+            })
+            .sum();
+        volume < 0.0
+    };
+    let shape = hexahedron(corners);
+    let shape = if turn(&shape) { shape.inverted() } else { shape };
+    let mesh = model.mesh(Parts::of(material, shape));
+    model.place(name, mesh, [middle.x, 0.001, middle.z], 0.0);
+}
