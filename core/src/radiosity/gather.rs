@@ -13,7 +13,7 @@
 
 use super::{
     RadiosityError,
-    surface_map::{Element, SurfaceMap, UNSOLVED},
+    surface_map::{Chart, Element, SurfaceMap, UNSOLVED},
 };
 use crate::{
     math::{
@@ -78,11 +78,7 @@ impl Transport {
                 },
             );
         }
-        for (element, buried) in map.elements.iter_mut().zip(&buried) {
-            if *buried && element.chart != u32::MAX {
-                element.flags |= UNSOLVED;
-            }
-        }
+        mark_rims(&mut map, &buried);
         let fills = fills(&map);
         redirect(&mut map, &mut hits, &fills);
         let mut transport = Self { map, hits, rays, norm: Vec3::ZERO, fills };
@@ -173,30 +169,45 @@ fn sequence(map: &SurfaceMap, element: &Element, number: u32, seed: u32, rays: u
     (hash2(chart.first_element, seed), morton * rays)
 }
 
+/// Marks buried nodes beside open ones as unsolved, so that the light around an object that stands
+/// on a surface does not fade towards it. Buried nodes further in keep their own darkness.
+fn mark_rims(map: &mut SurfaceMap, buried: &[bool]) {
+    for chart in &map.charts {
+        let open = |map: &SurfaceMap, i: usize| map.elements[i].flags & UNSOLVED == 0 && !buried[i];
+        let rim: Vec<usize> = (0..(chart.nx * chart.ny) as usize)
+            .filter(|&i| buried[chart.first_element as usize + i])
+            .filter(|&i| neighbours(chart, i).any(|n| open(map, n)))
+            .collect();
+        for i in rim {
+            map.elements[chart.first_element as usize + i].flags |= UNSOLVED;
+        }
+    }
+}
+
+/// The up to eight neighbours of a chart's node, as element numbers.
+fn neighbours(chart: &Chart, node: usize) -> impl Iterator<Item = usize> {
+    let (nx, ny, first) = (i64::from(chart.nx), i64::from(chart.ny), chart.first_element as usize);
+    let (x, y) = (node as i64 % nx, node as i64 / nx);
+    (-1..=1)
+        .flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
+        .filter(move |&(i, j)| i >= 0 && j >= 0 && i < nx && j < ny && (i, j) != (x, y))
+        .map(move |(i, j)| first + (j * nx + i) as usize)
+}
+
 /// Where unsolved nodes take their light from: layer by layer outwards from the solved ones.
 fn fills(map: &SurfaceMap) -> Vec<Fill> {
     let mut fills = Vec::new();
     for chart in &map.charts {
-        let (nx, ny) = (i64::from(chart.nx), i64::from(chart.ny));
         let first = chart.first_element as usize;
-        let count = (nx * ny) as usize;
+        let count = (chart.nx * chart.ny) as usize;
         let mut known: Vec<bool> =
             map.elements[first..first + count].iter().map(|e| e.flags & UNSOLVED == 0).collect();
-        if !known.iter().any(|k| *k) {
-            continue;
-        }
         let mut open: Vec<usize> = (0..count).filter(|&i| !known[i]).collect();
-        while !open.is_empty() {
+        while !open.is_empty() && open.len() < count {
             let mut layer = Vec::new();
             open.retain(|&i| {
-                let (x, y) = (i as i64 % nx, i as i64 / nx);
-                let sources: Vec<u32> = (-1..=1)
-                    .flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
-                    .filter(|&(x, y)| x >= 0 && y >= 0 && x < nx && y < ny)
-                    .map(|(x, y)| (y * nx + x) as usize)
-                    .filter(|&n| known[n])
-                    .map(|n| (first + n) as u32)
-                    .collect();
+                let sources: Vec<u32> =
+                    neighbours(chart, i).filter(|&n| known[n - first]).map(|n| n as u32).collect();
                 let found = !sources.is_empty();
                 if found {
                     layer.push(i);

@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Node outside its region or buried in a solid: not solved, filled from its neighbours.
+/// Node outside its region, or at the rim of what stands on it: not solved, filled from its neighbours.
 pub const UNSOLVED: u32 = 1;
 
 /// One element.
