@@ -1,91 +1,503 @@
-//! Radiosity against closed forms, invariants and the reference.
+//! Radiosity against closed forms, invariants and the reference path tracer.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
-    math::progress::Progress,
-    radiosity::{RadiositySettings, RadiositySolution, surface_map::UNSOLVED},
-    scene::{Object, Part as ObjectPart, Scene, material::Material, mesh::Mesh, world::World},
+    math::{colour::luminance, part::Part, progress::Progress, random::Rng},
+    radiosity::{
+        RadiosityError, RadiositySettings, RadiositySolution,
+        lookup::{self, NO_ELEMENTS},
+        surface_map::UNSOLVED,
+    },
+    reference::{self, irradiance::irradiance_with},
+    scene::{Scene, Target, direct::Receiver, material::Material, mesh::Mesh, world::World},
 };
-use std::{f32::consts::PI, sync::Arc};
+use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse, rectangle};
+use rayon::prelude::*;
+use std::f32::consts::PI;
 
-/// A scene of one object a mesh, each with its own material.
-fn scene(parts: Vec<(Mesh, Material)>) -> Scene {
-    let mut scene = Scene::default();
-    for (i, (mesh, material)) in parts.into_iter().enumerate() {
-        scene.meshes.push(Arc::new(mesh));
-        scene.materials.push(material);
-        scene.objects.push(Object {
-            name: format!("object {i}"),
-            parts: vec![ObjectPart { mesh: i, material: i }],
-            world_from_object: Affine3A::IDENTITY,
-            movable: false,
-            dimmer: 1.0,
-        });
-    }
-    scene
-}
-
-fn grey(reflectance: f32) -> Material {
-    Material { reflectance: Vec3::splat(reflectance), ..Material::default() }
-}
-
-/// Six faces of a box, seen from inside.
-fn faces_inwards(low: Vec3, high: Vec3) -> Vec<Mesh> {
-    let p = |x: u8, y: u8, z: u8| Vec3::select(glam::BVec3::new(x == 1, y == 1, z == 1), high, low);
-    vec![
-        Mesh::quad([p(0, 0, 0), p(0, 0, 1), p(1, 0, 1), p(1, 0, 0)]),
-        Mesh::quad([p(0, 1, 0), p(1, 1, 0), p(1, 1, 1), p(0, 1, 1)]),
-        Mesh::quad([p(0, 0, 0), p(0, 1, 0), p(0, 1, 1), p(0, 0, 1)]),
-        Mesh::quad([p(1, 0, 0), p(1, 0, 1), p(1, 1, 1), p(1, 1, 0)]),
-        Mesh::quad([p(0, 0, 0), p(1, 0, 0), p(1, 1, 0), p(0, 1, 0)]),
-        Mesh::quad([p(0, 0, 1), p(0, 1, 1), p(1, 1, 1), p(1, 0, 1)]),
-    ]
+fn settings(spacing: f32) -> RadiositySettings {
+    RadiositySettings { element_spacing_m: Some(spacing), ..RadiositySettings::default() }
 }
 
 fn solve(scene: &Scene, settings: &RadiositySettings) -> (World, RadiositySolution) {
     let world = World::new(scene);
     let solution = RadiositySolution::solve(&world, settings, &Progress::silent()).expect("solves");
+    assert!(solution.convergence().converged);
     assert!(
         solution.direct.iter().chain(&solution.indirect).all(|e| e.is_finite() && e.min_element() >= 0.0)
     );
     (world, solution)
 }
 
-/// Every element that lights something.
+/// Errors of the irradiance at `points` random points of the lit sides of a scene, with the direct
+/// light evaluated at the point: (E − E_ref) / max(E_ref, 5 % of the mean), sorted by size; the
+/// error of the mean; and the mean standard error of the reference on the same scale.
+fn errors_against_reference(
+    world: &World,
+    solution: &RadiositySolution,
+    points: usize,
+    samples: u32,
+) -> (Vec<f32>, f32, f32) {
+    let geometry = &world.geometry;
+    let mut cumulative = Vec::new();
+    let mut area = 0.0;
+    for t in 0..geometry.len() as u32 {
+        area += 0.5 * f64::from(geometry.area_normal(t).length());
+        cumulative.push(area);
+    }
+    let tracer = reference::path::PathTracer::new(world);
+    let found: Vec<[f32; 3]> = (0..points as u64)
+        .into_par_iter()
+        .map(|i| {
+            let mut rng = Rng::new(11, i);
+            let wanted = f64::from(rng.next_f32()) * area;
+            let triangle = cumulative.partition_point(|&a| a < wanted).min(cumulative.len() - 1) as u32;
+            let u = rng.next_vec2();
+            let barycentric = Vec2::new(u.x.sqrt() * (1.0 - u.y), u.x.sqrt() * u.y);
+            let front = geometry.area_normal(triangle);
+            let back = geometry.material_of(triangle).double_sided && rng.next_f32() < 0.5;
+            let surface = geometry.surface(triangle, barycentric, if back { front } else { -front });
+            let receiver = Receiver {
+                position: surface.position,
+                normal: surface.normal,
+                geometric_normal: surface.geometric_normal,
+            };
+            let truth = irradiance_with(&tracer, &receiver, Part::All, samples, i);
+            let e = solution.irradiance_exact_direct(world, &surface, Part::All, 256, i as u32);
+            [luminance(e), luminance(truth.mean), luminance(truth.standard_error)]
+        })
+        .collect();
+    let mean = |k: usize| found.iter().map(|f| f64::from(f[k])).sum::<f64>() as f32 / points as f32;
+    let floor = 0.05 * mean(1);
+    let mut errors: Vec<f32> = found.iter().map(|f| ((f[0] - f[1]) / f[1].max(floor)).abs()).collect();
+    errors.sort_by(f32::total_cmp);
+    let noise = found.iter().map(|f| f[2] / f[1].max(floor)).sum::<f32>() / points as f32;
+    (errors, mean(0) / mean(1) - 1.0, noise)
+}
+
+/// Elements that are solved for themselves.
 fn solved(solution: &RadiositySolution) -> impl Iterator<Item = usize> + '_ {
     (0..solution.elements().len()).filter(|&i| solution.elements()[i].flags & UNSOLVED == 0)
 }
 
-#[test]
-fn faces_of_the_test_box_look_inwards() {
-    for mesh in faces_inwards(Vec3::ZERO, Vec3::ONE) {
-        let [a, ..] = mesh.corners(0);
-        assert!(mesh.normals[0].dot(Vec3::splat(0.5) - a) > 0.0);
+fn total(solution: &RadiositySolution, element: usize) -> Vec3 {
+    solution.direct[element] + solution.indirect[element]
+}
+
+/// A box of grey walls, 2 m × 2.4 m × 3 m, with one point lamp and a small block on the floor.
+fn room() -> Scene {
+    let mut scene = Scene::default();
+    let wall = diffuse("wall", Vec3::new(0.6, 0.5, 0.4), Vec3::ZERO);
+    add(&mut scene, "room", cuboid(Vec3::ZERO, Vec3::new(2.0, 2.4, 3.0), true), wall.clone());
+    let block = cuboid(Vec3::new(0.5, 0.0, 0.5), Vec3::new(0.9, 0.6, 0.9), false);
+    add(&mut scene, "block", block, wall);
+    add_point_lamp(&mut scene, Vec3::new(1.0, 1.8, 1.5), Vec3::new(100.0, 90.0, 60.0));
+    scene
+}
+
+/// A unit sphere seen from inside: an icosahedron split `levels` times, with smooth normals.
+fn sphere_inwards(levels: u32) -> Mesh {
+    let g = (1.0 + 5f32.sqrt()) / 2.0;
+    let mut mesh = Mesh::default();
+    let corner = |mesh: &mut Mesh, p: Vec3| {
+        mesh.positions.push(p.normalize());
+        mesh.normals.push(-p.normalize());
+        mesh.uvs.push(Vec2::ZERO);
+        mesh.positions.len() as u32 - 1
+    };
+    let points = [
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ];
+    for p in points {
+        corner(&mut mesh, Vec3::from(p));
     }
+    let mut faces: Vec<[u32; 3]> = vec![
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    for _ in 0..levels {
+        let mut finer = Vec::new();
+        for [a, b, c] in faces {
+            let at = |mesh: &Mesh, i: u32| mesh.positions[i as usize];
+            let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[i, j]| {
+                let middle = at(&mesh, i) + at(&mesh, j);
+                corner(&mut mesh, middle)
+            });
+            finer.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        faces = finer;
+    }
+    mesh.triangles = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    mesh
 }
 
 #[test]
 fn furnace_boxes_reach_e_over_one_minus_rho() {
     // Every wall emits L, so each point receives πL directly and πL / (1 − ρ) in all. 1 %: sweeps
-    // stop at an error bound of 0.1 %; direct light is a closed form for polygons; rays never escape.
+    // stop at an error bound of 0.1 %, direct light is a closed form, and no ray escapes.
+    let emission = Vec3::new(1.0, 2.0, 0.5);
     for rho in [0.5, 0.9, 0.99, 0.999] {
-        let material = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..grey(rho) };
-        let mut mesh = Mesh::default();
-        for face in faces_inwards(Vec3::ZERO, Vec3::new(1.0, 2.0, 1.5)) {
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend(&face.positions);
-            mesh.normals.extend(&face.normals);
-            mesh.uvs.extend(&face.uvs);
-            mesh.triangles.extend(face.triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-        let scene = scene(vec![(mesh, material)]);
-        let settings = RadiositySettings { element_spacing_m: Some(0.25), ..RadiositySettings::default() };
-        let (_, solution) = solve(&scene, &settings);
-        println!("{rho}: {:?} {:?}", solution.convergence(), solution.energy());
-        let expected = Vec3::new(1.0, 2.0, 0.5) * (PI / (1.0 - rho));
+        let mut scene = Scene::default();
+        let walls = cuboid(Vec3::ZERO, Vec3::new(1.0, 2.0, 1.5), true);
+        add(&mut scene, "furnace", walls, diffuse("wall", Vec3::splat(rho), emission));
+        let (_, solution) = solve(&scene, &settings(0.25));
+        assert!(solution.convergence().sweeps <= 20, "{:?}", solution.convergence());
+        let expected = emission * (PI / (1.0 - rho));
         for i in solved(&solution) {
-            let e = solution.direct[i] + solution.indirect[i];
+            let e = total(&solution, i);
             assert!(((e - expected) / expected).abs().max_element() < 0.01, "ρ {rho}: {e} for {expected}");
         }
     }
+}
+
+#[test]
+fn closed_sphere_with_a_lamp_at_its_centre_shows_radiance_one() {
+    // E_d = I/r² = π, E = E_d / (1 − ρ), L = ρE/π = 1 at ρ = 0.5. 1 %: facets of 0.15 m on a unit
+    // sphere stand up to 0.4 % inside it, and 1/r² doubles that.
+    let mut scene = Scene::default();
+    add(&mut scene, "sphere", sphere_inwards(3), diffuse("wall", Vec3::splat(0.5), Vec3::ZERO));
+    add_point_lamp(&mut scene, Vec3::ZERO, Vec3::splat(PI));
+    let (world, solution) = solve(&scene, &RadiositySettings::default());
+    for i in solved(&solution) {
+        let radiance = solution.radiosity()[i] / PI;
+        assert!((radiance - 1.0).abs().max_element() < 0.01, "element {i}: {radiance}");
+    }
+    for t in (0..world.geometry.len() as u32).step_by(7) {
+        let inwards = world.geometry.surface(t, Vec2::new(0.2, 0.3), -world.geometry.area_normal(t));
+        let radiance = solution.radiance(&world, &inwards, Part::All);
+        assert!((radiance - 1.0).abs().max_element() < 0.01, "triangle {t}: {radiance}");
+        let outside = world.geometry.surface(t, Vec2::new(0.2, 0.3), world.geometry.area_normal(t));
+        assert_eq!(solution.radiance(&world, &outside, Part::All), Vec3::ZERO, "the back is black");
+    }
+}
+
+#[test]
+fn indirect_light_in_a_sphere_is_uniform_wherever_the_lamps_are() {
+    // Every point of a sphere sees every other with the same form factor, so the indirect irradiance
+    // is ρ/(1 − ρ) Φ/4πr² = π everywhere. 0.5 % on the mean for facets and shared directions. 4 % an
+    // element: the direct light varies fourfold over the wall and 1024 rays sample it.
+    let mut scene = Scene::default();
+    add(&mut scene, "sphere", sphere_inwards(3), diffuse("wall", Vec3::splat(0.5), Vec3::ZERO));
+    for p in [[0.3, 0.3, 0.3], [-0.3, -0.3, 0.3], [-0.3, 0.3, -0.3], [0.3, -0.3, -0.3]] {
+        add_point_lamp(&mut scene, Vec3::from(p), Vec3::splat(PI / 4.0));
+    }
+    let (_, solution) =
+        solve(&scene, &RadiositySettings { gather_rays: 1024, ..RadiositySettings::default() });
+    let (mut sum, mut area) = (0.0, 0.0);
+    for i in solved(&solution) {
+        let e = solution.indirect[i].x / PI;
+        assert!((e - 1.0).abs() < 0.04, "element {i}: {e}");
+        sum += e * solution.elements()[i].area;
+        area += solution.elements()[i].area;
+    }
+    assert!((sum / area - 1.0).abs() < 0.005, "mean {}", sum / area);
+}
+
+#[test]
+fn emissive_sphere_reflects_what_it_emits() {
+    // E_d = πL; at ρ = 0.5 the reflected radiance ρE/π = L ρ/(1 − ρ) = L. The integrand over the
+    // sphere is constant, so sampling many triangles adds nothing but the facets' error: 1 %.
+    let mut scene = Scene::default();
+    add(&mut scene, "sphere", sphere_inwards(3), diffuse("wall", Vec3::splat(0.5), Vec3::ONE));
+    let (_, solution) = solve(&scene, &RadiositySettings::default());
+    let areas = solution.elements().iter().map(|e| e.area);
+    let mean = solution.radiosity().iter().zip(areas.clone()).map(|(b, a)| b.x / PI * a).sum::<f32>();
+    assert!((mean / areas.sum::<f32>() - 1.0).abs() < 0.01, "{mean}");
+    // A point sampled on the next facet, close by, can weigh too much or too little.
+    let near = |b: &&Vec3| (b.x / PI - 1.0).abs() < 0.05;
+    let within = solution.radiosity().iter().filter(near).count();
+    assert!(within * 100 > solution.radiosity().len() * 95, "{within} of {}", solution.radiosity().len());
+}
+
+/// Mean share of rays from object `from` that reach object `to`, over area: the form factor.
+fn form_factor(solution: &RadiositySolution, from: u32, to: u32) -> (f64, f64) {
+    let transport = solution.transport();
+    let (mut flux, mut area) = (0.0, 0.0);
+    for i in solved(solution).filter(|&i| solution.elements()[i].object == from) {
+        let reached = transport
+            .row(i as u32)
+            .iter()
+            .filter(|&&hit| solution.elements().get(hit as usize).is_some_and(|e| e.object == to))
+            .count();
+        let a = f64::from(solution.elements()[i].area);
+        flux += a * reached as f64 / f64::from(transport.rays);
+        area += a;
+    }
+    (flux / area, area)
+}
+
+#[test]
+fn plates_exchange_the_textbook_form_factors() {
+    // Unit squares face to face 1 m apart, F = 0.199825; sharing an edge at a right angle, F = 0.200044
+    // (Howell's catalogue C-11, C-14). 1 %: 441 elements × 1024 rays of a share of 0.2, with the
+    // trapezoidal error of a 0.05 m grid where the plates touch.
+    let plate = |scene: &mut Scene, name: &str, corner: Vec3, u: Vec3, v: Vec3| {
+        add(scene, name, rectangle(corner, u, v), diffuse(name, Vec3::splat(0.5), Vec3::ZERO))
+    };
+    let settings = RadiositySettings { gather_rays: 1024, ..settings(0.05) };
+    for (corner, u, v, expected) in
+        [(Vec3::Y, Vec3::X, Vec3::Z, 0.199_825), (Vec3::ZERO, Vec3::X, Vec3::Y, 0.200_044)]
+    {
+        let mut scene = Scene::default();
+        plate(&mut scene, "floor", Vec3::ZERO, Vec3::Z, Vec3::X);
+        plate(&mut scene, "other", corner, u, v);
+        let (_, solution) = solve(&scene, &settings);
+        for (a, b) in [(0, 1), (1, 0)] {
+            let (factor, area) = form_factor(&solution, a, b);
+            assert!((area - 1.0).abs() < 1e-4, "area {area}");
+            assert!((factor / expected - 1.0).abs() < 0.01, "F {factor}, expected {expected}");
+        }
+    }
+}
+
+#[test]
+fn closed_scene_loses_no_ray() {
+    let scene = room();
+    let (_, solution) = solve(&scene, &settings(0.1));
+    let nothing = solution.elements().len() as u32;
+    // Nodes under the block are inside it and see its black backs; everything else sees a wall.
+    for i in solved(&solution) {
+        let e = &solution.elements()[i];
+        let under = e.position.y < 0.01
+            && Vec2::new(e.position.x - 0.7, e.position.z - 0.7).abs().max_element() < 0.21;
+        if !under {
+            let lost = solution.transport().row(i as u32).iter().filter(|&&h| h == nothing).count();
+            assert_eq!(lost, 0, "element {i} at {}", e.position);
+        }
+    }
+}
+
+#[test]
+fn two_objects_exchange_the_same_flux_both_ways() {
+    // A₁F₁₂ = A₂F₂₁ for a room and a block afloat in it. 1 %: all rays of the block reach the room; of
+    // the room's half a million some 4 % reach the block, a standard error of 0.7 % unstratified.
+    let mut scene = Scene::default();
+    let wall = diffuse("wall", Vec3::splat(0.5), Vec3::ZERO);
+    add(&mut scene, "room", cuboid(Vec3::ZERO, Vec3::new(2.0, 2.4, 3.0), true), wall.clone());
+    add(&mut scene, "block", cuboid(Vec3::new(0.5, 0.7, 0.5), Vec3::new(0.9, 1.3, 0.9), false), wall);
+    let (_, solution) = solve(&scene, &settings(0.1));
+    let (there, a) = form_factor(&solution, 0, 1);
+    let (back, b) = form_factor(&solution, 1, 0);
+    assert!((back - 1.0).abs() < 1e-6, "a convex body sees only the room: {back}");
+    assert!((there * a / (back * b) - 1.0).abs() < 0.01, "{} and {}", there * a, back * b);
+}
+
+#[test]
+fn energy_received_is_energy_absorbed_in_a_closed_room() {
+    // 1 %: the transport is sampled, not made symmetric.
+    let (_, solution) = solve(&room(), &settings(0.1));
+    let energy = solution.energy();
+    assert!((energy.absorbed_flux / energy.direct_flux - 1.0).abs() < 0.01, "{energy:?}");
+    assert!(energy.indirect_flux > 0.0);
+}
+
+/// Irradiance under the corner of a parallel rectangle of unit radiance, `a` × `b` at distance 1:
+/// ½ (a/√(1+a²) atan(b/√(1+a²)) + b/√(1+b²) atan(a/√(1+b²))) (Howell C-1 times π).
+fn corner_irradiance(a: f32, b: f32) -> f32 {
+    let half = |a: f32, b: f32| {
+        let r = (1.0 + a * a).sqrt();
+        a / r * (b / r).atan()
+    };
+    0.5 * (half(a, b) + half(b, a))
+}
+
+#[test]
+fn rectangular_lamp_gives_the_closed_form() {
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0);
+    add(&mut scene, "floor", floor, diffuse("floor", Vec3::splat(0.5), Vec3::ZERO));
+    let panel = rectangle(Vec3::new(-0.3, 1.0, -0.2), Vec3::X * 0.6, Vec3::Z * 0.4);
+    add(&mut scene, "panel", panel, diffuse("panel", Vec3::ZERO, Vec3::splat(500.0)));
+    let (world, solution) = solve(&scene, &settings(0.05));
+    // 0.5 %: bilinear interpolation between nodes 0.05 m apart, h²/8 times a curvature below 8 a m².
+    for (u, v) in [(0.1, 0.2), (0.3, 0.3), (0.5, 0.25), (0.6, 0.1), (0.25, 0.6)] {
+        let surface = world.geometry.surface(0, Vec2::new(u, v), Vec3::NEG_Y);
+        let (x, z) = (surface.position.x, surface.position.z);
+        let signed = |x: f32, z: f32| x.signum() * z.signum() * corner_irradiance(x.abs(), z.abs());
+        let expected = 500.0
+            * (signed(0.3 - x, 0.2 - z) - signed(-0.3 - x, 0.2 - z) - signed(0.3 - x, -0.2 - z)
+                + signed(-0.3 - x, -0.2 - z));
+        let elements = solution.irradiance(0, Vec2::new(u, v), false, Part::Direct).x;
+        assert!((elements / expected - 1.0).abs() < 0.005, "{elements} for {expected} at ({x}, {z})");
+        let exact = solution.irradiance_exact_direct(&world, &surface, Part::Direct, 16, 1).x;
+        assert!((exact / expected - 1.0).abs() < 1e-3, "{exact} for {expected} at ({x}, {z})");
+    }
+}
+
+#[test]
+fn relighting_equals_a_fresh_solve() {
+    // 0.1 %: both stop at a bound of 0.01 % of the mean; an element may be off by more than the mean is.
+    let settings = |spacing| RadiositySettings { tolerance: 1e-4, ..settings(spacing) };
+    let mut scene = room();
+    let (mut world, before) = solve(&scene, &settings(0.15));
+    scene.place(Target::Lamp(0), Affine3A::from_translation(Vec3::new(0.6, 1.2, 2.2)));
+    scene.lamps[0].dimmer = 0.7;
+    let changed = world.follow(&scene);
+    assert_eq!(changed, [Target::Lamp(0)]);
+    let relit = before.relight(&world, &changed, 16, 100);
+    assert!(relit.convergence().converged);
+    let (_, fresh) = solve(&scene, &settings(0.15));
+    assert_eq!(relit.direct, fresh.direct, "direct light is traced alike");
+    let mean = fresh.indirect.iter().map(|e| e.x).sum::<f32>() / fresh.indirect.len() as f32;
+    for (a, b) in relit.indirect.iter().zip(&fresh.indirect) {
+        assert!((a.x - b.x).abs() < 0.001 * mean, "{a} and {b}, mean {mean}");
+    }
+    assert!(before.indirect.iter().zip(&relit.indirect).any(|(a, b)| (a.x - b.x).abs() > 0.1 * mean));
+}
+
+#[test]
+fn dimming_to_nothing_equals_removing_and_back_costs_nothing() {
+    let settings = |spacing| RadiositySettings { tolerance: 1e-4, ..settings(spacing) };
+    let mut scene = room();
+    add_point_lamp(&mut scene, Vec3::new(0.4, 2.0, 2.5), Vec3::splat(50.0));
+    let (mut world, lit) = solve(&scene, &settings(0.15));
+    scene.lamps[1].dimmer = 0.0;
+    let changed = world.follow(&scene);
+    let dimmed = lit.relight(&world, &changed, 16, 100);
+    let (_, removed) = solve(&room(), &settings(0.15));
+    let mean = removed.indirect.iter().map(|e| e.x).sum::<f32>() / removed.indirect.len() as f32;
+    assert_eq!(dimmed.direct, removed.direct);
+    for (a, b) in dimmed.indirect.iter().zip(&removed.indirect) {
+        assert!((a.x - b.x).abs() < 0.001 * mean, "{a} and {b}");
+    }
+    scene.lamps[1].dimmer = 1.0;
+    let changed = world.follow(&scene);
+    assert_eq!(dimmed.relight(&world, &changed, 16, 100).direct, lit.direct);
+}
+
+#[test]
+fn lamp_that_was_off_from_the_start_lights_when_dimmed_up() {
+    let mut scene = room();
+    scene.lamps[0].dimmer = 0.0;
+    let (mut world, dark) = solve(&scene, &settings(0.2));
+    assert!(dark.direct.iter().chain(&dark.indirect).all(|e| *e == Vec3::ZERO));
+    scene.lamps[0].dimmer = 1.0;
+    let changed = world.follow(&scene);
+    let lit = dark.relight(&world, &changed, 16, 100);
+    assert_eq!(lit.direct, solve(&room(), &settings(0.2)).1.direct);
+}
+
+#[test]
+fn same_bytes_at_any_thread_count() {
+    let scene = lumenscope_tests::cornell();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| solve(&scene, &settings(0.1)).1)
+    };
+    let (one, two) = (run(1), run(2));
+    assert_eq!(one.direct, two.direct);
+    assert_eq!(one.indirect, two.indirect);
+    assert_eq!(one.transport().hits, two.transport().hits);
+}
+
+#[test]
+fn double_sided_plate_is_lit_on_both_sides_and_a_single_sided_back_is_black() {
+    let mut scene = Scene::default();
+    let plate = rectangle(Vec3::new(-0.5, 0.0, -0.5), Vec3::Z, Vec3::X);
+    let material = diffuse("plate", Vec3::splat(0.5), Vec3::ZERO);
+    add(&mut scene, "double", plate.clone(), Material { double_sided: true, ..material.clone() });
+    let mut aside = plate;
+    aside.positions.iter_mut().for_each(|p| p.x += 3.0);
+    add(&mut scene, "single", aside, material);
+    for x in [0.0, 3.0] {
+        add_point_lamp(&mut scene, Vec3::new(x, 1.0, 0.0), Vec3::splat(10.0));
+        add_point_lamp(&mut scene, Vec3::new(x, -1.0, 0.0), Vec3::splat(20.0));
+    }
+    let (_, solution) = solve(&scene, &settings(0.1));
+    let at = |triangle, back| solution.irradiance(triangle, Vec2::new(0.0, 0.5), back, Part::Direct).x;
+    // Directly below the lamps I/d², and 1/√10³ of the other pair's; bilinear error below 1 %.
+    for (triangle, back, expected) in [(0, false, 10.0), (0, true, 20.0), (2, false, 10.0)] {
+        let expected = expected * (1.0 + 0.1f32.powf(1.5));
+        let e = at(triangle, back);
+        assert!((e / expected - 1.0).abs() < 0.01, "{e} for {expected}");
+        assert_ne!(solution.element_at(triangle, Vec2::new(0.3, 0.3), back), NO_ELEMENTS);
+    }
+    assert_eq!(at(2, true), 0.0);
+    assert_eq!(solution.element_at(2, Vec2::new(0.3, 0.3), true), NO_ELEMENTS);
+}
+
+#[test]
+fn weights_sum_to_one_and_reproduce_positions() {
+    let scene = lumenscope_tests::cornell();
+    let (world, solution) = solve(&scene, &settings(0.13));
+    for triangle in 0..world.geometry.len() as u32 {
+        for barycentric in [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(0.2, 0.7), Vec2::splat(0.3)] {
+            let side = solution.sides()[2 * triangle as usize];
+            let blend = lookup::blend(&side, barycentric);
+            assert!((blend.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{blend:?}");
+            let there = world.geometry.surface(triangle, barycentric, Vec3::ZERO).position;
+            let nodes: Vec<Vec3> = solution.elements().iter().map(|e| e.position).collect();
+            // Nodes at the border are inset by at most 0.02 spacings an axis.
+            let found = blend.sum(&nodes);
+            assert!(found.distance(there) < 0.013 * 0.4, "{found} for {there}");
+        }
+    }
+}
+
+#[test]
+fn cornell_box_agrees_with_the_reference() {
+    // Bounds are the project's: median 4 %, 95th percentile 15 %, mean within 1.5 %. The reference's
+    // own standard error is part of what is measured and is held below 3 %.
+    let scene = lumenscope_tests::cornell();
+    let (world, solution) = solve(&scene, &RadiositySettings::default());
+    let (errors, signed, noise) = errors_against_reference(&world, &solution, 1000, 2048);
+    println!("median {} 95th {} signed {signed} reference {noise}", errors[500], errors[950]);
+    assert!(noise < 0.03, "reference noise {noise}");
+    assert!(errors[500] <= 0.04, "median {}", errors[500]);
+    assert!(errors[950] <= 0.15, "95th percentile {}", errors[950]);
+    assert!(signed.abs() <= 0.015, "mean {signed}");
+}
+
+#[test]
+fn bad_requests_are_named_and_empty_scenes_are_dark() {
+    let world = World::new(&room());
+    let attempt = |settings: &RadiositySettings, progress: &Progress| {
+        RadiositySolution::solve(&world, settings, progress).map(|_| ()).expect_err("refused")
+    };
+    let silent = Progress::silent();
+    for spacing in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(matches!(attempt(&settings(spacing), &silent), RadiosityError::BadSpacing { .. }));
+    }
+    assert!(matches!(attempt(&settings(1e-4), &silent), RadiosityError::TooManyElements { .. }));
+    let cancelled = Progress::silent();
+    cancelled.cancel();
+    assert_eq!(attempt(&settings(0.2), &cancelled), RadiosityError::Cancelled);
+
+    let mut mirror = room();
+    mirror.materials.iter_mut().for_each(|m| m.reflectance = Vec3::ONE);
+    let error = RadiositySolution::solve(&World::new(&mirror), &settings(0.3), &silent).map(|_| ());
+    assert!(matches!(error, Err(RadiosityError::NotConverged { .. })), "{error:?}");
+
+    let (_, nothing) = solve(&Scene::default(), &RadiositySettings::default());
+    assert!(nothing.elements().is_empty());
+    assert_eq!(nothing.irradiance(3, Vec2::ZERO, false, Part::All), Vec3::ZERO);
 }

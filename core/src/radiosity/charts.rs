@@ -34,7 +34,7 @@ pub(super) fn regions(geometry: &Geometry, triangles: &[u32], weld: f32) -> (Vec
     let flat: Vec<bool> = triangles
         .iter()
         .zip(&normals)
-        .map(|(&t, n)| geometry.normals[t as usize].iter().all(|corner| corner.dot(*n) > 0.999))
+        .map(|(&t, n)| geometry.normals[t as usize].iter().all(|corner| corner.dot(*n) > 0.9999))
         .collect();
     let neighbours = EdgeMap::new(geometry, triangles, weld);
     let mut taken = vec![false; triangles.len()];
