@@ -105,18 +105,21 @@ pub fn solve(
     Ok(())
 }
 
+/// Rays into each bin of a probe.
+const PROBE_RAYS: u32 = 4;
+
 /// Light at one point in the air, for every direction.
 ///
 /// # Errors
 /// If the work was cancelled.
 pub fn probe(
-    _solution: &LightTransportSolution,
-    _position: Vec3,
+    solution: &LightTransportSolution,
+    position: Vec3,
     _normal: Vec3,
-    _n: u32,
+    n: u32,
     _progress: &Progress,
 ) -> Result<Probe> {
-    Ok(Probe::default())
+    Ok(Probe::at(&solution.world, &*solution.radiosity, position, n, PROBE_RAYS, 1)?)
 }
 
 /// A reference picture in the making.

@@ -1,14 +1,44 @@
 //! The viewport: the picture, the camera in it, what is picked and what is dragged.
+//!
+//! The picture is drawn off screen, by the graphics device or on the processor, and shown as an image;
+//! everything that is not light (lamps, handles, axes, read-outs) is painted over it by egui. Nothing
+//! here changes the session: camera, selection and placements leave as commands.
 
+pub mod cpu_picture;
+pub mod drag;
+pub mod gizmo;
+pub mod gpu_picture;
+pub mod interaction;
+pub mod navigation;
+pub mod overlay;
 pub mod pick;
+pub mod picture;
+pub mod request;
+pub mod screen;
 
 pub use pick::{Pick, PickedSample};
+pub use picture::{Backend, metered};
 
-use crate::{command::Command, session::View, widgets::Probe};
-use lumenscope_core::{
-    inspection::InspectionScene, math::image::LinearImage, scene::Scene, transport::LightTransportSolution,
+use crate::{
+    command::Command,
+    session::{Compare, View},
+    widgets::{Probe, legend},
 };
+use egui::{Color32, Rect, Sense, pos2, vec2};
+use interaction::Interaction;
+use lumenscope_core::{
+    inspection::{InspectionScene, Legend},
+    math::image::LinearImage,
+    scene::{Scene, Target, camera::Camera},
+    transport::LightTransportSolution,
+};
+use picture::{Meter, Painted, Picture};
+use request::{Request, Same};
+use screen::Screen;
 use std::sync::Arc;
+
+/// Seconds after the last change for which things count as moving.
+const MOVING_SECONDS: f64 = 0.25;
 
 /// What the viewport shows.
 pub struct ViewportInput<'a> {
@@ -37,11 +67,23 @@ pub struct ViewportOutput {
     pub pick: Option<Pick>,
     /// Seconds the picture last took.
     pub frame_seconds: f64,
+    /// Exposure value the picture is shown with: the view's own, or the metered one.
+    pub ev100: f32,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Whether the picture is finished: nothing better is on its way.
+    pub settled: bool,
 }
 
 /// The viewport's own state: nothing that a session would save.
 #[derive(Default)]
-pub struct Viewport {}
+pub struct Viewport {
+    picture: Picture,
+    meter: Meter,
+    interaction: Interaction,
+    last: Option<(Camera, Same<LightTransportSolution>)>,
+    moved_at: f64,
+}
 
 impl Viewport {
     /// A viewport with nothing in it.
@@ -49,9 +91,180 @@ impl Viewport {
         Self::default()
     }
 
-    /// Shows the picture and answers to mouse and keys, filling the space that `ui` has.
-    pub fn show(&mut self, ui: &mut egui::Ui, _input: &ViewportInput<'_>) -> ViewportOutput {
-        ui.allocate_space(ui.available_size());
-        ViewportOutput::default()
+    /// Chooses who draws the picture.
+    pub fn set_backend(&mut self, backend: Backend) {
+        self.picture.backend = backend;
     }
+
+    /// Shows the picture and answers to mouse and keys, filling the space that `ui` has.
+    pub fn show(&mut self, ui: &mut egui::Ui, input: &ViewportInput<'_>) -> ViewportOutput {
+        let size = ui.available_size().max(vec2(16.0, 16.0));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let response = response.on_hover_cursor(egui::CursorIcon::Default);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "viewport"));
+        let mut view = input.view.clone();
+        let screen = Screen { rect, camera: view.camera };
+        let outcome = self.interaction.update(ui, &response, &screen, input, &mut view);
+        let clicked = response.clicked().then(|| response.interact_pointer_pos()).flatten();
+        let painter = ui.painter_at(rect);
+        // What is seen follows at once, a frame before the session does.
+        let screen = Screen { rect, camera: view.camera };
+        painter.rect_filled(rect, 0.0, Color32::from_gray(12));
+        let moving = self.is_moving(ui, input, &view);
+        let mut out = ViewportOutput {
+            commands: outcome.commands,
+            pick: outcome.pick,
+            size: pixels(ui, rect),
+            ev100: view.display.ev100,
+            ..ViewportOutput::default()
+        };
+        let painted = self.paint_picture(ui, &painter, &screen, input, &view, moving, &mut out);
+        self.paint_marks(&painter, &screen, input, &view);
+        self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref(), moving);
+        if input.scene.is_some()
+            && let Some(side) = overlay::triad(ui, &painter, &screen, clicked)
+        {
+            view.camera = navigation::from_side(view.camera, side);
+        }
+        if view != *input.view {
+            out.commands.push(Command::View(Box::new(view)));
+        }
+        out
+    }
+
+    fn is_moving(&mut self, ui: &egui::Ui, input: &ViewportInput<'_>, view: &View) -> bool {
+        let now = ui.input(|i| i.time);
+        let shown = Some((view.camera, Same(input.solution.cloned())));
+        if self.last != shown || self.interaction.is_dragging() {
+            if self.last.is_some() {
+                self.moved_at = now;
+            } else {
+                self.moved_at = now - MOVING_SECONDS;
+            }
+            self.last = shown;
+        }
+        let moving = now - self.moved_at < MOVING_SECONDS || self.interaction.is_turning();
+        if moving {
+            ui.ctx().request_repaint_after_secs(0.05);
+        }
+        moving
+    }
+
+    fn paint_picture(
+        &mut self,
+        ui: &egui::Ui,
+        painter: &egui::Painter,
+        screen: &Screen,
+        input: &ViewportInput<'_>,
+        view: &View,
+        moving: bool,
+        out: &mut ViewportOutput,
+    ) -> Option<Painted> {
+        let display = match input.solution {
+            Some(solution) => self.meter.display(solution, view, screen.aspect()),
+            None => view.display,
+        };
+        out.ev100 = display.ev100;
+        let compare = if input.reference.is_some() { view.compare } else { Compare::Picture };
+        let reference = input.reference.filter(|r| r.width > 0 && r.height > 0);
+        let size = match (compare, reference) {
+            (Compare::Difference, Some(reference)) => [reference.width, reference.height],
+            _ => pixels(ui, screen.rect),
+        };
+        let request = input.solution.map(|solution| Request {
+            solution: solution.clone(),
+            camera: view.camera,
+            size,
+            direct: view.direct,
+            weights: view.weights,
+            display,
+            inspection: input.inspection.cloned(),
+            compare,
+            reference: reference.cloned(),
+            highlighted: match view.selected {
+                Some(Target::Object(i)) => Some(i as u32),
+                _ => None,
+            },
+        });
+        let reference = reference.filter(|_| compare == Compare::Reference).map(|r| (r, &display));
+        let painted = self.picture.show(ui.ctx(), input.render_state, request.as_ref(), reference, moving)?;
+        out.frame_seconds = painted.status.seconds;
+        out.settled = painted.settled && !moving;
+        let rect = match painted.aspect {
+            // The vertical field of view is the camera's: a wider picture shows more at its sides.
+            Some(aspect) => Rect::from_center_size(
+                screen.rect.center(),
+                vec2(screen.rect.height() * aspect, screen.rect.height()),
+            ),
+            None => screen.rect,
+        };
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(painted.texture, rect, whole, Color32::WHITE);
+        Some(painted)
+    }
+
+    fn paint_marks(&self, painter: &egui::Painter, screen: &Screen, input: &ViewportInput<'_>, view: &View) {
+        let Some(scene) = input.scene else { return };
+        if let Some(target @ Target::Object(i)) = view.selected
+            && i < scene.objects.len()
+            && interaction::is_movable(scene, target)
+        {
+            let (low, high) = interaction::own_box(scene, target);
+            let moving = self.interaction.is_dragging();
+            overlay::outline(painter, screen, scene.placement(target), low, high, moving);
+        }
+        overlay::lamps(painter, screen, scene, view.selected, self.interaction.hovered_lamp);
+        if let Some(probe) = view.probe {
+            overlay::probe(painter, screen, probe);
+        }
+        self.interaction.paint(painter, input, view);
+    }
+
+    fn paint_words(
+        &self,
+        ui: &egui::Ui,
+        painter: &egui::Painter,
+        screen: &Screen,
+        input: &ViewportInput<'_>,
+        view: &View,
+        painted: Option<&Painted>,
+        moving: bool,
+    ) {
+        if input.scene.is_none() {
+            return;
+        }
+        let status = painted.map(|p| p.status.clone()).unwrap_or_default();
+        overlay::status(painter, screen, &status, input.solution.map(Arc::as_ref), moving);
+        if let (Some(solution), Some(glance)) = (input.solution, &self.interaction.glance) {
+            overlay::read_out(painter, screen, solution, glance);
+        }
+        let mut legends: Vec<(Legend, _)> = Vec::new();
+        if let Some(colours) = painted.and_then(|p| p.difference) {
+            legends.push((luminance_legend("luminance difference", [colours.low, colours.high]), colours));
+        } else if let Some(colours) = view.display.false_colour {
+            legends.push((luminance_legend("luminance", [colours.low, colours.high]), colours));
+        }
+        if let Some(inspection) = input.inspection
+            && let Some(legend) = &inspection.legend
+        {
+            let palette = view.display.false_colour.map_or(Default::default(), |f| f.palette);
+            legends.push((legend.clone(), request::inspection_colours(Some(inspection), palette)));
+        }
+        for (i, (legend, colours)) in legends.iter().enumerate() {
+            let size = legend::size();
+            let corner = screen.rect.right_top() + vec2(-(size.x + 10.0) * (i + 1) as f32, 10.0);
+            if screen.rect.height() > size.y + 20.0 {
+                legend::paint(painter, Rect::from_min_size(corner, size), legend, colours, ui.visuals());
+            }
+        }
+    }
+}
+
+fn luminance_legend(quantity: &str, range: [f32; 2]) -> Legend {
+    Legend { quantity: quantity.into(), unit: "cd/m²".into(), range }
+}
+
+fn pixels(ui: &egui::Ui, rect: Rect) -> [u32; 2] {
+    let size = rect.size() * ui.pixels_per_point();
+    [size.x, size.y].map(|s| (s.round() as u32).clamp(16, 4096))
 }

@@ -1,7 +1,26 @@
 //! Picking: what lies under the cursor, in numbers.
 
 use glam::{Vec2, Vec3};
-use lumenscope_core::scene::Target;
+use lumenscope_core::{
+    inspection::InspectionScene,
+    math::{colour::luminance, part::Part},
+    scene::{
+        Target,
+        accel::Ray,
+        direct::{Receiver, total_irradiance},
+        geometry::Surface,
+        world::World,
+    },
+    superposition::{gbuffer::first_visible, overlay::ray_sphere},
+    transport::LightTransportSolution,
+};
+use std::f32::consts::FRAC_1_PI;
+
+/// Shadow rays an emitter of a pick's read-out.
+const PICK_SAMPLES: u32 = 256;
+
+/// How far off a surface its spheres are opened, m.
+pub const PROBE_OFFSET: f32 = 0.02;
 
 /// Everything known about the point under a click.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,13 +37,13 @@ pub struct Pick {
     pub uv: Vec2,
     /// Whether the back is seen.
     pub back: bool,
-    /// The object, or the lamp whose glyph was hit.
+    /// The object.
     pub target: Target,
-    /// Whether the target may be dragged.
+    /// Whether the object may be dragged.
     pub movable: bool,
-    /// Name of the object or lamp.
+    /// Name of the object.
     pub object: String,
-    /// Name of the material; empty for a lamp's glyph.
+    /// Name of the material.
     pub material: String,
     /// Reflectance of the side seen, per channel.
     pub reflectance: Vec3,
@@ -53,9 +72,123 @@ pub struct PickedSample {
     pub valid: bool,
 }
 
+/// What a glance at the point under the cursor says, cheap enough for every frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glance {
+    /// The surface.
+    pub surface: Surface,
+    /// Distance from the eye, m.
+    pub distance: f32,
+    /// Luminance towards the eye, cd/m².
+    pub luminance: f32,
+    /// Illuminance, lx.
+    pub illuminance: f32,
+}
+
 impl Pick {
+    /// Reads everything at a surface point.
+    pub fn at(solution: &LightTransportSolution, surface: &Surface) -> Self {
+        let geometry = &solution.world.geometry;
+        let object = geometry.object[surface.triangle as usize] as usize;
+        let receiver = Receiver {
+            position: surface.position,
+            normal: surface.normal,
+            geometric_normal: surface.geometric_normal,
+        };
+        let lit = geometry.is_lit(surface);
+        let direct = if lit {
+            total_irradiance(&solution.world, &receiver, PICK_SAMPLES, surface.triangle)
+        } else {
+            Vec3::ZERO
+        };
+        let indirect = if lit { stored(solution, surface, Part::Indirect) } else { Vec3::ZERO };
+        let reflectance = geometry.reflectance(surface);
+        let brdf = reflectance * FRAC_1_PI;
+        let radiance = [geometry.emission(surface), brdf * direct, brdf * indirect];
+        Self {
+            position: surface.position,
+            normal: surface.normal,
+            triangle: surface.triangle,
+            barycentric: surface.barycentric,
+            uv: surface.uv,
+            back: surface.back,
+            target: Target::Object(object),
+            movable: geometry.movable[object],
+            object: solution.scene.objects.get(object).map(|o| o.name.clone()).unwrap_or_default(),
+            material: geometry.material_of(surface.triangle).name.clone(),
+            reflectance,
+            radiance,
+            irradiance_direct: direct,
+            irradiance_indirect: indirect,
+            luminance: luminance(radiance.iter().sum()),
+            volume_samples: volume_samples(solution, surface.position),
+        }
+    }
+
     /// Radiance towards the eye, all layers with weight 1, cd/m² per channel.
     pub fn total_radiance(&self) -> Vec3 {
         self.radiance.iter().sum()
     }
+
+    /// Where the spheres of this point are opened, and its normal.
+    pub fn probe(&self) -> (Vec3, Vec3) {
+        (self.position + self.normal * PROBE_OFFSET, self.normal)
+    }
+}
+
+impl Glance {
+    /// Looks along a ray; direct light comes from the stored elements.
+    pub fn along(solution: &LightTransportSolution, ray: &Ray) -> Option<Self> {
+        let (surface, distance) = first_surface(&solution.world, ray)?;
+        let geometry = &solution.world.geometry;
+        let irradiance =
+            if geometry.is_lit(&surface) { stored(solution, &surface, Part::All) } else { Vec3::ZERO };
+        let radiance = geometry.emission(&surface) + geometry.reflectance(&surface) * irradiance * FRAC_1_PI;
+        Some(Self { surface, distance, luminance: luminance(radiance), illuminance: luminance(irradiance) })
+    }
+}
+
+/// First surface along a ray that the picture shows, and its distance in lengths of the ray's direction.
+pub fn first_surface(world: &World, ray: &Ray) -> Option<(Surface, f32)> {
+    let hit = first_visible(world, ray.origin, ray.direction)?;
+    Some((world.geometry.surface(hit.triangle, hit.barycentric, ray.direction), hit.t))
+}
+
+/// Nearest sphere of an inspection scene along a ray of unit direction: its index and distance, m.
+pub fn first_sphere(inspection: &InspectionScene, ray: &Ray) -> Option<(usize, f32)> {
+    inspection
+        .spheres
+        .iter()
+        .enumerate()
+        .filter_map(|(i, s)| Some((i, ray_sphere(ray.origin, ray.direction, s.centre, s.radius)?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Irradiance as the picture has it: from the radiosity elements, or the volume on a moved object.
+fn stored(solution: &LightTransportSolution, surface: &Surface, part: Part) -> Vec3 {
+    let object = solution.world.geometry.object[surface.triangle as usize];
+    if solution.moved_objects.contains(&object) {
+        return match &solution.volume {
+            Some(volume) => volume.irradiance(surface.position, surface.normal, part),
+            None => Vec3::ZERO,
+        };
+    }
+    solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
+}
+
+/// Samples that light a point, heaviest first; those without weight are left out unless inside a solid.
+fn volume_samples(solution: &LightTransportSolution, position: Vec3) -> Vec<PickedSample> {
+    let Some(volume) = &solution.volume else { return Vec::new() };
+    let at = volume.weights(position);
+    let mut samples: Vec<PickedSample> = (0..8)
+        .filter(|&i| at.trilinear[i] > 0.0 || at.weights[i] > 0.0)
+        .map(|i| PickedSample {
+            id: at.ids[i],
+            position: volume.samples()[at.ids[i] as usize].position,
+            weight: at.weights[i],
+            valid: at.valid[i],
+        })
+        .collect();
+    samples.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.id.cmp(&b.id)));
+    samples
 }

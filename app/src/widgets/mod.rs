@@ -1,8 +1,13 @@
 //! Widgets that show a quantity of light: legends, spheres, plots, tables.
 
 pub mod legend;
+pub mod number;
+pub mod radial_plot;
+pub mod sphere_image;
 pub mod sphere_inspector;
+pub mod sphere_numbers;
+pub mod sphere_pair;
+pub mod unfolded;
+pub mod value_table;
 
-/// Light at one point in the air, for every direction.
-#[derive(Clone, Debug, Default)]
-pub struct Probe {}
+pub use lumenscope_core::irradiance_volume::probe::Probe;

@@ -1,0 +1,276 @@
+//! The picture drawn on the processor, on threads of its own: the window never waits for it.
+//!
+//! While things move a coarse frame follows; at rest full frames join a running mean. A coarse frame
+//! may start while a full one is still under way, so that the first move of the mouse shows at once.
+
+use super::request::{DisplayKey, RenderKey, Request};
+use crate::session::Compare;
+use egui::{ColorImage, TextureHandle, TextureOptions};
+use lumenscope_core::{
+    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
+    superposition::{
+        self, PassSettings,
+        accumulator::Accumulator,
+        composite::{self, DifferenceDisplay, DirectQuality},
+        gbuffer::GBuffer,
+        overlay,
+    },
+};
+use std::{
+    sync::mpsc::{Receiver, TryRecvError, channel},
+    time::Instant,
+};
+
+/// A coarse frame aims at this many seconds.
+const COARSE_SECONDS: f64 = 0.05;
+/// Shadow rays an emitter in one full frame; the running mean does the rest.
+const SAMPLES: u32 = 2;
+
+/// A picture drawn on the processor.
+#[derive(Default)]
+pub struct CpuPicture {
+    texture: Option<TextureHandle>,
+    shown: Option<(RenderKey, DisplayKey)>,
+    /// Frames in what is shown; 0 for a coarse one.
+    pub frames: u32,
+    /// Seconds the last frame took.
+    pub seconds: f64,
+    /// Range of the last difference, cd/m².
+    pub difference: Option<FalseColour>,
+    kept: Option<Kept>,
+    flights: Vec<Flight>,
+    wanted: Option<RenderKey>,
+    scale: f64,
+}
+
+/// The running mean of one point of view.
+struct Kept {
+    key: RenderKey,
+    mean: Accumulator,
+    buffer: GBuffer,
+}
+
+struct Flight {
+    coarse: bool,
+    result: Receiver<Landed>,
+}
+
+struct Landed {
+    key: RenderKey,
+    display: DisplayKey,
+    image: ColorImage,
+    difference: Option<FalseColour>,
+    kept: Option<Kept>,
+    frames: u32,
+    seconds: f64,
+    drew: bool,
+}
+
+impl CpuPicture {
+    /// The latest picture, and work started on the next.
+    pub fn show(&mut self, ctx: &egui::Context, request: &Request, moving: bool) -> Option<egui::TextureId> {
+        self.land(ctx);
+        let key = request.render_key();
+        let changed = self.wanted.as_ref() != Some(&key);
+        let stale = self.shown.as_ref().is_none_or(|(k, _)| *k != key);
+        self.wanted = Some(key);
+        let coarse_flies = self.flights.iter().any(|f| f.coarse);
+        let comparing = request.compare == Compare::Difference;
+        if !coarse_flies && !comparing && stale && (changed || moving || self.texture.is_none()) {
+            self.start_coarse(ctx, request.clone());
+        } else if self.flights.is_empty() && !(moving && stale) {
+            self.start_fine(ctx, request.clone());
+        }
+        if moving {
+            ctx.request_repaint();
+        }
+        self.texture.as_ref().map(TextureHandle::id)
+    }
+
+    /// Whether what is shown is the finished picture of what was asked for last.
+    pub fn settled(&self, request: &Request) -> bool {
+        self.flights.is_empty()
+            && self.shown == Some((request.render_key(), request.display_key()))
+            && self.frames >= request.frames_wanted()
+    }
+
+    fn land(&mut self, ctx: &egui::Context) {
+        let mut flights = std::mem::take(&mut self.flights);
+        flights.retain(|flight| match flight.result.try_recv() {
+            Err(TryRecvError::Empty) => true,
+            Err(TryRecvError::Disconnected) => false,
+            Ok(landed) => {
+                self.take(ctx, landed, flight.coarse);
+                false
+            }
+        });
+        self.flights = flights;
+    }
+
+    fn take(&mut self, ctx: &egui::Context, landed: Landed, coarse: bool) {
+        if landed.drew {
+            self.seconds = landed.seconds;
+        }
+        if coarse {
+            let ratio = (COARSE_SECONDS / landed.seconds.max(1e-4)).sqrt().clamp(0.7, 1.4);
+            self.scale = (self.scale * ratio).clamp(0.15, 1.0);
+        }
+        if let Some(kept) = landed.kept {
+            self.kept = Some(kept);
+        }
+        // A frame of an older view never replaces one of the view that is wanted.
+        let wanted = self.wanted.as_ref();
+        let shows_wanted = self.shown.as_ref().is_some_and(|(k, _)| Some(k) == wanted);
+        if Some(&landed.key) != wanted && (shows_wanted || !coarse) && self.texture.is_some() {
+            return;
+        }
+        if coarse && shows_wanted && self.frames > 0 {
+            return;
+        }
+        self.frames = landed.frames;
+        self.difference = landed.difference;
+        self.shown = Some((landed.key, landed.display));
+        match &mut self.texture {
+            Some(texture) => texture.set(landed.image, TextureOptions::LINEAR),
+            None => self.texture = Some(ctx.load_texture("picture", landed.image, TextureOptions::LINEAR)),
+        }
+    }
+
+    fn start_coarse(&mut self, ctx: &egui::Context, request: Request) {
+        if self.scale == 0.0 {
+            self.scale = 0.4;
+        }
+        let scale = self.scale;
+        self.fly(ctx, true, move || {
+            let size = request.size.map(|s| ((f64::from(s) * scale) as u32).max(2));
+            let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+            let (buffer, layers) =
+                superposition::render(&request.solution, &request.camera, size[0], size[1], &settings);
+            let picture = layers.sum(request.weights);
+            let (image, difference) = to_display(&request, &picture, &buffer);
+            Landed {
+                key: request.render_key(),
+                display: request.display_key(),
+                image,
+                difference,
+                kept: None,
+                frames: 0,
+                seconds: 0.0,
+                drew: true,
+            }
+        });
+    }
+
+    fn start_fine(&mut self, ctx: &egui::Context, request: Request) {
+        let (key, display) = (request.render_key(), request.display_key());
+        let current = self.kept.as_ref().is_some_and(|k| k.key == key);
+        let enough =
+            current && self.kept.as_ref().is_some_and(|k| k.mean.frames() >= request.frames_wanted());
+        let displayed =
+            self.frames > 0 && self.shown.as_ref().is_some_and(|(k, d)| *k == key && *d == display);
+        if enough && displayed {
+            return;
+        }
+        let kept = self.kept.take().filter(|k| k.key == key);
+        let redisplay = kept.is_some() && !displayed;
+        self.fly(ctx, false, move || {
+            let (mut mean, buffer) = match kept {
+                Some(k) => (k.mean, Some(k.buffer)),
+                None => (Accumulator::new(), None),
+            };
+            let buffer = match buffer {
+                Some(buffer) if redisplay => buffer,
+                before => {
+                    let (drawn, layers) = superposition::render(
+                        &request.solution,
+                        &request.camera,
+                        request.size[0],
+                        request.size[1],
+                        &settings(&request, mean.frames()),
+                    );
+                    mean.add(&layers);
+                    // The first frame looks through the pixels' centres: its depths suit the overlay.
+                    before.unwrap_or(drawn)
+                }
+            };
+            let picture = mean.mean().sum(request.weights);
+            let (image, difference) = to_display(&request, &picture, &buffer);
+            let frames = mean.frames();
+            let kept = Some(Kept { key: key.clone(), mean, buffer });
+            Landed { key, display, image, difference, kept, frames, seconds: 0.0, drew: !redisplay }
+        });
+    }
+
+    fn fly(&mut self, ctx: &egui::Context, coarse: bool, work: impl FnOnce() -> Landed + Send + 'static) {
+        let (sender, result) = channel();
+        let ctx = ctx.clone();
+        let spawned = std::thread::Builder::new().name("picture".into()).spawn(move || {
+            let start = Instant::now();
+            let mut landed = work();
+            landed.seconds = start.elapsed().as_secs_f64();
+            // The window may have closed meanwhile: then nobody wants the picture.
+            if sender.send(landed).is_ok() {
+                ctx.request_repaint();
+            }
+        });
+        match spawned {
+            Ok(_) => self.flights.push(Flight { coarse, result }),
+            Err(error) => log::error!("no thread for the picture: {error}"),
+        }
+    }
+}
+
+fn settings(request: &Request, frame: u32) -> PassSettings {
+    let direct = match request.direct {
+        DirectQuality::PerPixel(samples) => DirectQuality::PerPixel(samples.clamp(1, SAMPLES)),
+        DirectQuality::Elements => DirectQuality::Elements,
+    };
+    PassSettings { direct, frame, jitter: frame > 0, ..PassSettings::default() }
+}
+
+/// Brings a picture to the display: tone curve or difference, then what the views draw over it.
+fn to_display(
+    request: &Request,
+    picture: &LinearImage,
+    buffer: &GBuffer,
+) -> (ColorImage, Option<FalseColour>) {
+    let reference = request
+        .reference
+        .as_ref()
+        .filter(|r| request.compare == Compare::Difference && r.pixels.len() == picture.pixels.len());
+    let (mut bytes, difference) = match reference {
+        Some(reference) => {
+            let colours = difference_colours(picture, reference);
+            let bytes = composite::difference(picture, reference, &DifferenceDisplay::Absolute(colours));
+            (bytes, Some(colours))
+        }
+        None => (composite::display(picture, &request.display), None),
+    };
+    if let Some(inspection) = &request.inspection {
+        overlay::draw(&mut bytes, buffer, &request.camera, inspection, &request.inspection_colours());
+    }
+    let size = [picture.width as usize, picture.height as usize];
+    (ColorImage::from_rgba_unmultiplied(size, bytes.as_flattened()), difference)
+}
+
+/// Palette whose bright end is the 98th percentile of the difference, rounded up to 1, 2 or 5.
+fn difference_colours(a: &LinearImage, b: &LinearImage) -> FalseColour {
+    let mut differences: Vec<f32> = a
+        .pixels
+        .iter()
+        .zip(&b.pixels)
+        .step_by((a.pixels.len() / 4096).max(1))
+        .map(|(a, b)| (luminance(*a) - luminance(*b)).abs())
+        .filter(|d| d.is_finite())
+        .collect();
+    differences.sort_by(f32::total_cmp);
+    let high = differences.get(differences.len() * 98 / 100).copied().unwrap_or(1.0).max(1e-3);
+    let magnitude = 10f32.powf(high.log10().floor());
+    let round = [1.0, 2.0, 5.0].map(|m| m * magnitude).into_iter().find(|v| *v >= high);
+    FalseColour {
+        palette: lumenscope_core::math::false_colour::Palette::Inferno,
+        low: 0.0,
+        high: round.unwrap_or(10.0 * magnitude),
+        logarithmic: false,
+    }
+}

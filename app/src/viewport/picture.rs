@@ -1,0 +1,194 @@
+//! The picture in the viewport: who draws it, how it is exposed, what it is compared with.
+
+use super::{
+    cpu_picture::CpuPicture,
+    gpu_picture::GpuPicture,
+    overlay::Status,
+    request::{Request, Same},
+};
+use crate::session::{Compare, View};
+use egui::{ColorImage, TextureHandle, TextureId, TextureOptions};
+use egui_wgpu::RenderState;
+use lumenscope_core::{
+    math::{false_colour::FalseColour, image::LinearImage},
+    scene::camera::Camera,
+    superposition::{
+        self, PassSettings,
+        composite::{self, DirectQuality, Display},
+    },
+    transport::LightTransportSolution,
+};
+use std::sync::Arc;
+
+/// Who draws the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// The graphics device, unless it is software: then the processor does it better by itself.
+    #[default]
+    Auto,
+    /// The processor.
+    Processor,
+    /// The graphics device, even a software one.
+    Device,
+}
+
+/// What is to be painted.
+pub struct Painted {
+    /// The texture.
+    pub texture: TextureId,
+    /// Width over height, where it is not the viewport's own.
+    pub aspect: Option<f32>,
+    /// What is said about it.
+    pub status: Status,
+    /// Palette and range of the difference, cd/m².
+    pub difference: Option<FalseColour>,
+    /// Whether nothing better is on its way.
+    pub settled: bool,
+}
+
+/// The picture in the viewport.
+#[derive(Default)]
+pub struct Picture {
+    /// Who draws it.
+    pub backend: Backend,
+    cpu: CpuPicture,
+    gpu: Option<GpuPicture>,
+    gpu_failed: bool,
+    reference: Option<(Same<LinearImage>, Display, TextureHandle)>,
+}
+
+impl Picture {
+    /// Draws what is wanted, or starts to, and answers with what there is.
+    pub fn show(
+        &mut self,
+        ctx: &egui::Context,
+        state: Option<&RenderState>,
+        request: Option<&Request>,
+        reference: Option<(&Arc<LinearImage>, &Display)>,
+        moving: bool,
+    ) -> Option<Painted> {
+        if let Some((image, display)) = reference
+            && request.is_none_or(|r| r.compare == Compare::Reference)
+        {
+            return self.reference(ctx, image, display);
+        }
+        let request = request?;
+        let mut status = Status {
+            compare: (request.compare == Compare::Difference).then_some("difference to reference"),
+            ..Status::default()
+        };
+        let state = state.filter(|_| request.compare != Compare::Difference);
+        if let Some(state) = state
+            && self.open(state)
+            && let Some(gpu) = &mut self.gpu
+        {
+            let texture = gpu.show(ctx, state, request, moving)?;
+            status.frames = (gpu.frames, request.frames_wanted());
+            status.seconds = gpu.seconds;
+            status.backend.clone_from(&gpu.adapter);
+            status.coarse = gpu.frames == 0 && gpu.scale < 0.99;
+            let settled = gpu.settled(request);
+            return Some(Painted { texture, aspect: None, status, difference: None, settled });
+        }
+        let texture = self.cpu.show(ctx, request, moving)?;
+        status.frames = (self.cpu.frames, request.frames_wanted());
+        status.seconds = self.cpu.seconds;
+        status.backend = "processor".into();
+        status.coarse = self.cpu.frames == 0;
+        let aspect = (request.compare == Compare::Difference)
+            .then(|| request.size[0] as f32 / request.size[1].max(1) as f32);
+        let settled = self.cpu.settled(request);
+        Some(Painted { texture, aspect, status, difference: self.cpu.difference, settled })
+    }
+
+    fn open(&mut self, state: &RenderState) -> bool {
+        let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let wanted = match self.backend {
+            Backend::Auto => !software,
+            Backend::Processor => false,
+            Backend::Device => true,
+        };
+        if wanted && self.gpu.is_none() && !self.gpu_failed {
+            match GpuPicture::new(state) {
+                Ok(gpu) => self.gpu = Some(gpu),
+                Err(error) => {
+                    log::warn!("the processor draws the picture, as the graphics device cannot: {error}");
+                    self.gpu_failed = true;
+                }
+            }
+        }
+        wanted && self.gpu.is_some()
+    }
+
+    fn reference(
+        &mut self,
+        ctx: &egui::Context,
+        image: &Arc<LinearImage>,
+        display: &Display,
+    ) -> Option<Painted> {
+        if image.width == 0 || image.height == 0 {
+            return None;
+        }
+        let key = Same(Some(image.clone()));
+        let current = self.reference.as_ref().is_some_and(|(k, d, _)| *k == key && d == display);
+        if !current {
+            let bytes = composite::display(image, display);
+            let size = [image.width as usize, image.height as usize];
+            let pixels = ColorImage::from_rgba_unmultiplied(size, bytes.as_flattened());
+            match &mut self.reference {
+                Some((k, d, texture)) => {
+                    (*k, *d) = (key, *display);
+                    texture.set(pixels, TextureOptions::LINEAR);
+                }
+                None => {
+                    let texture = ctx.load_texture("reference", pixels, TextureOptions::LINEAR);
+                    self.reference = Some((key, *display, texture));
+                }
+            }
+        }
+        let (_, _, texture) = self.reference.as_ref()?;
+        Some(Painted {
+            texture: texture.id(),
+            aspect: Some(image.width as f32 / image.height as f32),
+            status: Status { compare: Some("reference (path traced)"), ..Status::default() },
+            difference: None,
+            settled: true,
+        })
+    }
+}
+
+/// The display of a view with its exposure settled: metered from the picture where it follows it.
+#[derive(Default)]
+pub struct Meter {
+    key: Option<(Same<LightTransportSolution>, Camera, [f32; 3])>,
+    ev100: Option<f32>,
+}
+
+impl Meter {
+    /// The view's display, exposure settled.
+    pub fn display(&mut self, solution: &Arc<LightTransportSolution>, view: &View, aspect: f32) -> Display {
+        if !view.auto_exposure {
+            return view.display;
+        }
+        let key = Some((Same(Some(solution.clone())), view.camera, view.weights));
+        if self.key != key {
+            self.key = key;
+            self.ev100 = metered(solution, &view.camera, view.weights, aspect).or(self.ev100);
+        }
+        Display { ev100: self.ev100.unwrap_or(view.display.ev100), ..view.display }
+    }
+}
+
+/// Exposure value that suits what a camera sees; `None` where all is black.
+pub fn metered(
+    solution: &LightTransportSolution,
+    camera: &Camera,
+    weights: [f32; 3],
+    aspect: f32,
+) -> Option<f32> {
+    const HEIGHT: u32 = 27;
+    let width = ((HEIGHT as f32 * aspect) as u32).clamp(8, 96);
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (_, layers) = superposition::render(solution, camera, width, HEIGHT, &settings);
+    composite::auto_exposure(&layers.sum(weights))
+}
