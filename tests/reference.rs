@@ -2,13 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use lumenscope_core::{
-    math::{
-        frame::{cosine_direction, frame_from_normal},
-        image::LinearImage,
-        part::Part,
-        progress::Progress,
-        random::Rng,
-    },
+    math::{frame::uniform_direction, part::Part, progress::Progress, random::Rng},
+    measure::significance::{critical_value, z_test},
     reference::{
         Estimate, brute::irradiance_brute, irradiance::irradiance, path::receiver_of,
         picture::ReferencePicture, radiance::radiance,
@@ -22,36 +17,9 @@ use std::{f32::consts::PI, sync::Arc};
 /// Chance of a false alarm that each test below allows itself; the seeds are fixed, so it is spent once.
 const FALSE_ALARM: f64 = 0.01;
 
-/// Largest |z| over all values that chance allows: Šidák's correction for `count` comparisons, and
-/// Student's t for a standard error that itself comes from `freedom` + 1 values (Cornish–Fisher).
-fn critical_value(count: usize, freedom: u32) -> f64 {
-    let each = 1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count as f64);
-    let (mut low, mut high) = (0.0, 40.0);
-    for _ in 0..200 {
-        let z = 0.5 * (low + high);
-        if 2.0 * normal_tail(z) > each { low = z } else { high = z }
-    }
-    let (z, v) = (low, f64::from(freedom));
-    z + (z.powi(3) + z) / (4.0 * v) + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * v * v)
-}
-
-/// Probability that a standard normal number exceeds z > 0, by quadrature of its density.
-fn normal_tail(z: f64) -> f64 {
-    let steps = 4000;
-    let width = 12.0 / f64::from(steps);
-    (0..steps).map(|i| z + (f64::from(i) + 0.5) * width).map(|x| (-0.5 * x * x).exp() * width).sum::<f64>()
-        / std::f64::consts::TAU.sqrt()
-}
-
-/// |difference| in standard errors, worst channel; single precision allows 1e-5 of the value.
-fn worst_z(found: &Estimate, wanted: Vec3, wanted_error: Vec3) -> f64 {
-    (0..3)
-        .map(|c| {
-            let floor = 1e-5 * f64::from(wanted[c].abs());
-            let error = f64::from(found.standard_error[c]).hypot(f64::from(wanted_error[c]));
-            (f64::from(found.mean[c] - wanted[c]).abs() - floor).max(0.0) / error.max(1e-12)
-        })
-        .fold(0.0, f64::max)
+/// An estimate that is exact.
+fn exactly(mean: Vec3) -> Estimate {
+    Estimate { mean, standard_error: Vec3::ZERO, degrees_of_freedom: 0 }
 }
 
 /// Points on the surfaces of a world, uniform over its triangles, front sides.
@@ -92,32 +60,176 @@ fn point_lamp_over_a_floor_is_i_cos_over_d_squared() {
 
 #[test]
 fn furnace_radiance_is_emission_over_one_less_reflectance() {
-    for (reflectance, samples) in [(0.5, 2048), (0.9, 1024), (0.99, 512), (0.999, 256)] {
+    for (reflectance, samples) in [(0.5, 4096), (0.9, 16384), (0.99, 2048), (0.999, 256)] {
         let world = World::new(&box_room(reflectance, 3.0));
-        let wanted = Vec3::splat(3.0 / (1.0 - reflectance));
-        let rays: Vec<Ray> = (0..16)
+        let wanted = exactly(Vec3::splat(3.0 / (1.0 - reflectance)));
+        let found: Vec<Estimate> = (0..16u64)
+            .into_par_iter()
             .map(|i| {
                 let mut rng = Rng::new(5, i);
                 let origin = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) - Vec3::splat(0.5);
-                Ray::new(origin, lumenscope_core::math::frame::uniform_direction(rng.next_vec2()))
+                let ray = Ray::new(origin, uniform_direction(rng.next_vec2()));
+                radiance(&world, &ray, samples, i)
             })
             .collect();
-        let found: Vec<Estimate> =
-            rays.par_iter().enumerate().map(|(i, ray)| radiance(&world, ray, samples, i as u64)).collect();
-        let limit = critical_value(rays.len(), 63);
-        for estimate in &found {
-            let z = worst_z(estimate, wanted, Vec3::ZERO);
-            assert!(z < limit, "reflectance {reflectance}: {estimate:?} against {wanted}, z {z:.1}");
-        }
+        let test = z_test(&found, &vec![wanted; found.len()], FALSE_ALARM).unwrap();
+        assert!(test.passes(), "reflectance {reflectance}: {test:?}");
         // The mean over all rays is four times as sharp and catches what a single one cannot.
-        let mean = found.iter().fold(DVec3::ZERO, |s, e| s + e.mean.as_dvec3()) / 16.0;
-        let error = found.iter().map(|e| f64::from(e.standard_error.x).powi(2)).sum::<f64>().sqrt() / 16.0;
-        let z = (mean.x - f64::from(wanted.x)).abs() / error;
-        assert!(z < critical_value(4, 1000), "reflectance {reflectance}: mean {mean}, z {z:.1}");
+        let n = found.len() as f64;
+        let mean = found.iter().map(|e| f64::from(e.mean.x)).sum::<f64>() / n;
+        let error = found.iter().map(|e| f64::from(e.standard_error.x).powi(2)).sum::<f64>().sqrt() / n;
+        let z = (mean - f64::from(wanted.mean.x)) / error;
         println!(
-            "reflectance {reflectance}: {:.4} of wanted, ± {:.4}",
-            mean.x / f64::from(wanted.x),
-            error / f64::from(wanted.x)
+            "reflectance {reflectance}: mean {mean:.4} ± {error:.4}, wanted {:.4}, z {z:.2}",
+            wanted.mean.x
         );
+        assert!(z.abs() < critical_value(FALSE_ALARM, 4, 1000), "reflectance {reflectance}: z {z:.1}");
     }
+}
+
+#[test]
+fn next_event_estimation_agrees_with_blind_search_for_light() {
+    for (name, scene) in [("cornell", cornell()), ("many panels", many_panels())] {
+        let world = World::new(&scene);
+        let receivers = surface_receivers(&world, 100, 11);
+        for part in [Part::Direct, Part::Indirect, Part::All] {
+            let pairs: Vec<(Estimate, Estimate)> = receivers
+                .par_iter()
+                .enumerate()
+                .map(|(i, r)| {
+                    let seed = i as u64;
+                    (irradiance(&world, r, part, 1024, seed), irradiance_brute(&world, r, part, 8192, seed))
+                })
+                .collect();
+            let (found, brute): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
+            let test = z_test(&found, &brute, FALSE_ALARM).unwrap();
+            println!("{name} {part:?}: {test:?}");
+            assert!(test.passes(), "{name} {part:?}: {test:?} at {:?}", receivers[test.worst_index]);
+            // z has mean 0; its three channels are one and the same number of independent values.
+            let limit = critical_value(FALSE_ALARM, 6, u32::MAX) / (receivers.len() as f64).sqrt();
+            assert!(test.mean.abs() < limit, "{name} {part:?}: biased, {test:?}");
+        }
+    }
+}
+
+/// More panels than the first vertex samples one by one, some two-sided, in a room with a block.
+fn many_panels() -> Scene {
+    let mut scene = cornell();
+    for i in 0..10 {
+        let x = -0.9 + 0.18 * i as f32;
+        let panel = rectangle(Vec3::new(x, 1.0, 0.8), Vec3::X * 0.1, Vec3::new(0.0, 0.1, 0.05));
+        let mut material = diffuse("strip", Vec3::splat(0.3), Vec3::new(20.0, 10.0 * i as f32, 200.0));
+        material.double_sided = i % 2 == 0;
+        add(&mut scene, "strip", panel, material);
+    }
+    scene
+}
+
+#[test]
+fn black_backs_neither_emit_nor_reflect() {
+    let mut scene = Scene::default();
+    let up = rectangle(Vec3::new(-1.0, 1.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0);
+    add(&mut scene, "panel facing up", up, diffuse("panel", Vec3::splat(0.8), Vec3::splat(50.0)));
+    let floor = rectangle(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0);
+    add(&mut scene, "floor", floor, diffuse("grey", Vec3::splat(0.5), Vec3::ZERO));
+    let below = Receiver::new(Vec3::ZERO, Vec3::Y);
+    let above = Receiver::new(Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y);
+    let world = World::new(&scene);
+    assert_eq!(irradiance(&world, &below, Part::All, 256, 3).mean, Vec3::ZERO);
+    assert_eq!(irradiance_brute(&world, &below, Part::All, 256, 3).mean, Vec3::ZERO);
+    assert!(irradiance(&world, &above, Part::Direct, 256, 3).mean.x > 10.0);
+    scene.materials[0].double_sided = true;
+    assert!(irradiance(&World::new(&scene), &below, Part::All, 256, 3).mean.x > 10.0);
+}
+
+#[test]
+fn standard_errors_are_the_spread_over_seeds() {
+    let world = World::new(&cornell());
+    for receiver in surface_receivers(&world, 4, 21) {
+        let estimates: Vec<Estimate> =
+            (0..256u64).into_par_iter().map(|s| irradiance(&world, &receiver, Part::All, 256, s)).collect();
+        let means: Vec<DVec3> = estimates.iter().map(|e| e.mean.as_dvec3()).collect();
+        let reported = estimates.iter().map(|e| f64::from(e.standard_error.x).powi(2)).sum::<f64>() / 256.0;
+        let spread = 16.0 * f64::from(Estimate::from_values(&means).standard_error.x);
+        let ratio = reported.sqrt() / spread;
+        println!("reported {:.4} lx, spread {spread:.4} lx", reported.sqrt());
+        // The spread of 256 values is known to 1/√512 = 4.4 %, more for long tails: allow 25 %.
+        assert!((ratio - 1.0).abs() < 0.25, "reported {:.4}, spread {spread:.4} lx", reported.sqrt());
+    }
+}
+
+#[test]
+fn picture_variance_is_the_spread_over_seeds() {
+    let world = Arc::new(World::new(&cornell()));
+    let pictures: Vec<ReferencePicture> = (0..64)
+        .map(|seed| {
+            let mut picture = ReferencePicture::new(world.clone(), cornell().camera, 8, 8, seed);
+            picture.add_samples(32, &Progress::silent()).unwrap();
+            picture
+        })
+        .collect();
+    let (mut reported, mut spread) = (0.0, 0.0);
+    for pixel in 0..64 {
+        let values: Vec<DVec3> = pictures.iter().map(|p| p.mean().pixels[pixel].as_dvec3()).collect();
+        let error = Estimate::from_values(&values).standard_error.as_dvec3() * 8.0;
+        spread += (error * error).element_sum();
+        reported +=
+            pictures.iter().map(|p| f64::from(p.variance_of_mean().pixels[pixel].element_sum())).sum::<f64>()
+                / 64.0;
+    }
+    let ratio = (reported / spread).sqrt();
+    println!("reported standard error over spread: {ratio:.3}");
+    // 64 pixels times 63 degrees of freedom would be known to 1 %; a few bright edge pixels dominate.
+    assert!((ratio - 1.0).abs() < 0.25, "reported over spread {ratio}");
+}
+
+#[test]
+fn layers_sum_to_the_picture_and_the_light_is_where_it_belongs() {
+    let scene = cornell();
+    let mut picture = ReferencePicture::new(Arc::new(World::new(&scene)), scene.camera, 48, 48, 7);
+    picture.add_samples(16, &Progress::silent()).unwrap();
+    let [emitted, direct, indirect] = picture.layers();
+    for (i, mean) in picture.mean().pixels.iter().enumerate() {
+        let sum = emitted.pixels[i] + direct.pixels[i] + indirect.pixels[i];
+        // Three roundings of single precision.
+        assert!((sum - *mean).abs().max_element() <= 4e-7 * mean.max_element(), "{sum} against {mean}");
+        assert!(mean.is_finite() && mean.min_element() >= 0.0);
+    }
+    assert_eq!(picture.rejected(), 0);
+    assert!(direct.mean().x > 0.5 && indirect.mean().x > 0.2 && emitted.mean().x < direct.mean().x);
+    let left: f32 = (10..40).map(|y| indirect.at(8, y).x / indirect.at(8, y).y.max(1e-6)).sum::<f32>() / 30.0;
+    assert!(left > 2.0, "the left wall is red: R/G {left}");
+}
+
+#[test]
+fn bytes_depend_on_neither_threads_nor_calls() {
+    let scene = cornell();
+    let world = Arc::new(World::new(&scene));
+    let run = |threads: usize, calls: &[u32]| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut picture = ReferencePicture::new(world.clone(), scene.camera, 33, 17, 42);
+        for &spp in calls {
+            pool.install(|| picture.add_samples(spp, &Progress::silent())).unwrap();
+        }
+        assert_eq!(picture.samples(), calls.iter().sum::<u32>());
+        (picture.mean(), picture.layers(), picture.variance_of_mean(), picture.luminance_variance_of_mean())
+    };
+    let one = run(1, &[7]);
+    assert_eq!(one, run(2, &[7]));
+    assert_eq!(one, run(2, &[1, 5, 1]));
+    assert_ne!(one.0, run(1, &[6]).0, "samples must change the picture");
+}
+
+#[test]
+fn a_cancelled_picture_stays_even_and_can_go_on() {
+    let scene = cornell();
+    let mut picture = ReferencePicture::new(Arc::new(World::new(&scene)), scene.camera, 16, 16, 1);
+    picture.add_samples(4, &Progress::silent()).unwrap();
+    let before = picture.mean();
+    let progress = Progress::silent();
+    progress.cancel();
+    assert!(picture.add_samples(4, &progress).is_err());
+    assert_eq!((picture.samples(), picture.mean()), (4, before));
+    picture.add_samples(4, &Progress::silent()).unwrap();
+    assert_eq!(picture.samples(), 8);
 }

@@ -1,0 +1,147 @@
+//! Linear layers in one OpenEXR file.
+//!
+//! One part whose channels are called `layer.R`, `layer.G`, `layer.B`, and plain `R`, `G`, `B` for
+//! the layer called "" (the sum): what tev, Blender and Nuke show as layers. Not one part a layer:
+//! fewer programs list those. Samples are `f32`, compressed without loss.
+
+use super::{IoError, write_file};
+use crate::math::image::LinearImage;
+use exr::{
+    image::{AnyChannel, AnyChannels, Encoding, FlatImage, FlatSamples, Image, Layer as ExrPart},
+    meta::{
+        MetaData,
+        attribute::{AttributeValue, Text},
+        header::LayerAttributes,
+    },
+    prelude::{ReadChannels, ReadLayers, WritableImage, read},
+};
+use glam::Vec3;
+use std::{
+    collections::BTreeMap,
+    io::Cursor,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+};
+
+/// Attribute that keeps the order of the layers, one name a line; channels are sorted by name.
+const ORDER: &str = "lumenscopeLayers";
+
+/// No lossless EXR compression gains more than this; a header that promises more is corrupt.
+const LARGEST_COMPRESSION: u64 = 2000;
+
+/// Writes layers of one size into one file, with a note in its comments.
+///
+/// # Errors
+/// [`IoError::Write`] naming the file and the cause: no layers, empty ones, different sizes, a name
+/// twice, or a place that cannot be written.
+pub fn write_layers(path: &Path, layers: &[(&str, &LinearImage)], note: &str) -> Result<(), IoError> {
+    let fail = |cause: String| Err(IoError::write(path, cause));
+    let Some((_, first)) = layers.first() else { return fail("no layers".into()) };
+    let mut channels = exr::prelude::SmallVec::new();
+    for (i, (name, image)) in layers.iter().enumerate() {
+        if (image.width, image.height) != (first.width, first.height) || image.pixels.is_empty() {
+            return fail(format!(
+                "layer \"{name}\" has {}x{} pixels, the first one {}x{}",
+                image.width, image.height, first.width, first.height
+            ));
+        }
+        if layers[..i].iter().any(|(other, _)| other == name) {
+            return fail(format!("two layers are called \"{name}\""));
+        }
+        for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let channel = if name.is_empty() { letter.to_owned() } else { format!("{name}.{letter}") };
+            let Some(text) = Text::new_or_none(&channel) else {
+                return fail(format!("\"{channel}\" cannot name a channel"));
+            };
+            let samples = FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect());
+            channels.push(AnyChannel::new(text, samples));
+        }
+    }
+    let mut attributes = LayerAttributes { comments: Text::new_or_none(note), ..LayerAttributes::default() };
+    attributes.software_name = Text::new_or_none("lumenscope");
+    let order = layers.iter().map(|(name, _)| *name).collect::<Vec<_>>().join("\n");
+    if let Some(order) = Text::new_or_none(order) {
+        attributes.other.insert(ORDER.into(), AttributeValue::Text(order));
+    }
+    let size = (first.width as usize, first.height as usize);
+    let part = ExrPart::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(part)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|cause| IoError::write(path, cause))?;
+    write_file(path, bytes.get_ref())
+}
+
+/// Reads every RGB layer of a file, in the order they were written or else by name; a layer without
+/// one of its three channels is left out.
+///
+/// # Errors
+/// [`IoError::Read`] naming the file and the cause, for anything that is not a whole EXR file with
+/// at least one such layer.
+pub fn read_layers(path: &Path) -> Result<Vec<(String, LinearImage)>, IoError> {
+    let bytes = std::fs::read(path).map_err(|cause| IoError::read(path, cause))?;
+    // The decoder asserts inside on some corrupt headers; it keeps no state that could be left torn.
+    catch_unwind(AssertUnwindSafe(|| decode(&bytes)))
+        .unwrap_or_else(|_| Err("the file is corrupt".into()))
+        .map_err(|cause| IoError::read(path, cause))
+}
+
+fn decode(bytes: &[u8]) -> Result<Vec<(String, LinearImage)>, String> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
+    let promised = meta.headers.iter().fold(0u64, |sum, header| {
+        let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
+        sum.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64))
+    });
+    if promised > LARGEST_COMPRESSION.saturating_mul(bytes.len() as u64) {
+        return Err(format!("its header promises {promised} bytes of pixels, the file has {}", bytes.len()));
+    }
+    let image: FlatImage = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|e| e.to_string())?;
+    let mut layers = Vec::new();
+    for part in &image.layer_data {
+        let size = part.size;
+        let mut found: BTreeMap<String, [Option<&FlatSamples>; 3]> = BTreeMap::new();
+        let own = part.attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
+        for channel in &part.channel_data.list {
+            let name = channel.name.to_string();
+            let (layer, letter) = name.rsplit_once('.').unwrap_or((&own, &name));
+            let place = match letter {
+                "R" | "r" => 0,
+                "G" | "g" => 1,
+                "B" | "b" => 2,
+                _ => continue,
+            };
+            if channel.sample_data.len() == size.0 * size.1 {
+                found.entry(layer.to_owned()).or_default()[place] = Some(&channel.sample_data);
+            }
+        }
+        let order: Vec<String> = match part.attributes.other.get(&Text::from(ORDER)) {
+            Some(AttributeValue::Text(text)) => text.to_string().split('\n').map(str::to_owned).collect(),
+            _ => Vec::new(),
+        };
+        let rank = |name: &str| order.iter().position(|o| o == name).unwrap_or(order.len());
+        let mut named: Vec<_> = found.into_iter().collect();
+        named.sort_by_key(|(name, _)| rank(name));
+        for (name, channels) in named {
+            if let [Some(r), Some(g), Some(b)] = channels {
+                layers.push((name, image_from([r, g, b], size.0, size.1)));
+            }
+        }
+    }
+    if layers.is_empty() { Err("it has no layer with the channels R, G and B".into()) } else { Ok(layers) }
+}
+
+fn image_from(channels: [&FlatSamples; 3], width: usize, height: usize) -> LinearImage {
+    let [r, g, b] = channels.map(FlatSamples::values_as_f32);
+    let pixels = r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b)).collect();
+    LinearImage { width: width as u32, height: height as u32, pixels }
+}
