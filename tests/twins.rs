@@ -1,1 +1,486 @@
-//! Tests of twins.
+//! The shaders against the CPU functions that specify them.
+
+use bytemuck::offset_of;
+use glam::{Affine3A, Vec3};
+use lumenscope_core::{
+    gpu::{FrameSettings, GpuContext, GpuRenderer, frame, inspection as gpu_inspection, shaders, tables},
+    inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
+    irradiance_volume::{IrradianceVolume, VolumeSettings},
+    math::{
+        false_colour::{FalseColour, Palette},
+        image::LinearImage,
+        progress::Progress,
+        sphere_map::DirectionBins,
+    },
+    radiosity::{RadiositySettings, RadiositySolution, lookup::SideMap},
+    scene::{Scene, Target, camera::Camera, lamp::LampKind, world::World},
+    superposition::{
+        PassSettings,
+        accumulator::Accumulator,
+        composite::{self, DirectQuality, Display, ToneCurve},
+        gbuffer::GBuffer,
+        layers::{Layer, Layers},
+        overlay, render,
+    },
+    transport::LightTransportSolution,
+};
+use lumenscope_tests::{add_point_lamp, cornell};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [160, 100];
+
+/// A device, or `None` with a word about it; a panic where the environment asks for one.
+fn context() -> Option<GpuContext> {
+    match GpuContext::headless() {
+        Ok(context) => {
+            println!("adapter: {}", context.adapter);
+            Some(context)
+        }
+        Err(error) => {
+            assert!(std::env::var_os("LUMENSCOPE_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
+            println!("skipped: no adapter ({error})");
+            None
+        }
+    }
+}
+
+/// The Cornell box with every kind of lamp and a texture, solved coarsely.
+fn solved(mut scene: Scene) -> LightTransportSolution {
+    add_point_lamp(&mut scene, Vec3::new(0.6, 1.5, 0.6), Vec3::new(3.0, 4.0, 5.0));
+    let spot = add_point_lamp(&mut scene, Vec3::new(-0.6, 1.7, 0.7), Vec3::ZERO);
+    scene.lamps[spot].kind =
+        LampKind::Spot { intensity: Vec3::new(9.0, 8.0, 6.0), inner_angle: 0.2, outer_angle: 0.5 };
+    scene.lamps[spot].world_from_lamp =
+        scene.lamps[spot].world_from_lamp * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    let sun = add_point_lamp(&mut scene, Vec3::ZERO, Vec3::ZERO);
+    scene.lamps[sun].kind = LampKind::Directional { illuminance: Vec3::splat(5.0) };
+    scene.lamps[sun].world_from_lamp = Affine3A::from_rotation_y(0.5) * Affine3A::from_rotation_x(-0.3);
+    let mut texture = LinearImage::new(4, 3);
+    for (i, texel) in texture.pixels.iter_mut().enumerate() {
+        *texel = Vec3::new(0.25 + 0.0625 * i as f32, 0.5, 1.0 - 0.0625 * i as f32);
+    }
+    scene.textures.push(Arc::new(texture));
+    for object in &scene.objects {
+        let material = &mut scene.materials[object.parts[0].material];
+        match object.name.as_str() {
+            "shell" => material.reflectance_texture = Some(0),
+            "tall block" => material.double_sided = true,
+            _ => {}
+        }
+    }
+    let world = World::new(&scene);
+    let settings =
+        RadiositySettings { element_spacing_m: Some(0.2), gather_rays: 64, ..RadiositySettings::default() };
+    let radiosity = RadiositySolution::solve(&world, &settings, &Progress::silent()).unwrap();
+    let settings = VolumeSettings { samples: Some([4; 3]), bins_n: 5, ..VolumeSettings::default() };
+    let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent()).unwrap();
+    LightTransportSolution {
+        scene: Arc::new(scene),
+        world: Arc::new(world),
+        radiosity: Arc::new(radiosity),
+        volume: Some(Arc::new(volume)),
+        moved_objects: Vec::new(),
+        provenance: Default::default(),
+    }
+}
+
+/// The same light with the short block moved and turned.
+fn moved(solution: &LightTransportSolution) -> LightTransportSolution {
+    let mut scene = (*solution.scene).clone();
+    let block = scene.objects.iter().position(|o| o.name == "short block").unwrap();
+    let placement =
+        Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.2)) * scene.objects[block].world_from_object;
+    scene.place(Target::Object(block), placement);
+    let mut world = (*solution.world).clone();
+    world.follow(&scene);
+    LightTransportSolution {
+        scene: Arc::new(scene),
+        world: Arc::new(world),
+        moved_objects: vec![block as u32],
+        ..solution.clone()
+    }
+}
+
+struct Gpu {
+    context: GpuContext,
+    renderer: GpuRenderer,
+}
+
+impl Gpu {
+    fn new(context: GpuContext) -> Self {
+        let renderer = GpuRenderer::new(&context.device, wgpu::TextureFormat::Rgba8Unorm).unwrap();
+        Self { context, renderer }
+    }
+
+    fn upload(&mut self, solution: &LightTransportSolution) {
+        self.renderer.upload(&self.context.device, &self.context.queue, solution).unwrap();
+    }
+
+    fn frame(&mut self, settings: &FrameSettings) {
+        let mut encoder = self.context.device.create_command_encoder(&Default::default());
+        self.renderer.render(&self.context.device, &self.context.queue, &mut encoder, settings);
+        self.context.queue.submit([encoder.finish()]);
+    }
+
+    fn layers(&self) -> Layers {
+        self.renderer.read_layers(&self.context.device, &self.context.queue).unwrap()
+    }
+
+    fn triangles(&self) -> Vec<u32> {
+        self.renderer.read_triangle_ids(&self.context.device, &self.context.queue).unwrap()
+    }
+
+    fn output(&self) -> Vec<[u8; 4]> {
+        self.renderer.read_output(&self.context.device, &self.context.queue).unwrap()
+    }
+}
+
+fn frame_settings(camera: Camera, direct: DirectQuality) -> FrameSettings {
+    FrameSettings { camera, size: SIZE, direct, ..FrameSettings::default() }
+}
+
+/// Holds every layer to its specification where both see the same triangle.
+///
+/// The bounds: 1e-3 of the layer's mean on average, from f32 sums against f64 and from shadow rays
+/// that pass an edge on the other side; a single such ray of `rays` moves one pixel by its share of
+/// that emitter, so the worst pixel is stated, not bounded, and at most 0.5 % may be off by 1 %.
+fn compare(what: &str, gpu: (&[u32], &Layers), cpu: (&GBuffer, &Layers)) {
+    let same: Vec<usize> = (0..gpu.0.len()).filter(|&i| gpu.0[i] == cpu.0.triangle[i]).collect();
+    let different = 1.0 - same.len() as f64 / gpu.0.len() as f64;
+    assert!(different <= 0.01, "{what}: {:.2} % of the pixels see another triangle", 100.0 * different);
+    for layer in Layer::ALL {
+        let (a, b) = (&gpu.1.get(layer).pixels, &cpu.1.get(layer).pixels);
+        let mean = cpu.1.get(layer).mean().element_sum() / 3.0;
+        assert!(mean > 0.0, "{what}: {} is black, nothing is compared", layer.name());
+        let errors: Vec<f32> = same.iter().map(|&i| (a[i] - b[i]).abs().max_element() / mean).collect();
+        assert!(errors.iter().all(|e| e.is_finite()), "{what}: {} is not finite", layer.name());
+        let average = errors.iter().sum::<f32>() / errors.len() as f32;
+        let worst = errors.iter().copied().fold(0.0, f32::max);
+        let off = errors.iter().filter(|e| **e > 0.01).count() as f32 / errors.len() as f32;
+        println!(
+            "{what}: {}: mean {average:.1e}, worst {worst:.1e}, off by 1 % {:.3} %, other triangle {:.2} %",
+            layer.name(),
+            100.0 * off,
+            100.0 * different
+        );
+        assert!(average <= 1e-3, "{what}: {} differs by {average} on average", layer.name());
+        assert!(off <= 5e-3, "{what}: {} differs by over 1 % at {} of the pixels", layer.name(), off);
+    }
+}
+
+#[test]
+fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let still = solved(cornell());
+    let moved = moved(&still);
+    // The third round comes back to the first solution: only placements are sent.
+    for (what, solution) in [("still", &still), ("moved", &moved), ("still again", &still)] {
+        gpu.upload(solution);
+        for direct in [DirectQuality::Elements, DirectQuality::PerPixel(4)] {
+            let camera = solution.scene.camera;
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, seed: 1, ..PassSettings::default() };
+            let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+            compare(&format!("{what}, {direct:?}"), (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+}
+
+#[test]
+fn a_room_is_looked_into_through_its_backs() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let camera = Camera { eye: Vec3::new(2.5, 0.3, -4.0), target: Vec3::Y, ..solution.scene.camera };
+    gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+    compare("from outside", (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+}
+
+#[test]
+fn the_running_mean_is_the_accumulators() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let camera = solution.scene.camera;
+    let mut mean = Accumulator::new();
+    let frames = 6;
+    let mut differing = vec![false; (SIZE[0] * SIZE[1]) as usize];
+    for frame in 0..frames {
+        let direct = DirectQuality::PerPixel(1);
+        let settings =
+            FrameSettings { frame_index: frame, accumulate: true, ..frame_settings(camera, direct) };
+        gpu.frame(&settings);
+        let settings = PassSettings { direct, frame, jitter: true, seed: 1 };
+        let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+        for (d, (a, b)) in differing.iter_mut().zip(gpu.triangles().iter().zip(&buffer.triangle)) {
+            *d |= a != b;
+        }
+        mean.add(&layers);
+    }
+    assert_eq!(gpu.renderer.accumulated(), frames);
+    let (gpu, cpu) = (gpu.layers(), mean.mean());
+    for layer in Layer::ALL {
+        let level = cpu.get(layer).mean().element_sum() / 3.0;
+        let mut errors: Vec<f32> = gpu
+            .get(layer)
+            .pixels
+            .iter()
+            .zip(&cpu.get(layer).pixels)
+            .zip(&differing)
+            .filter(|(_, differing)| !**differing)
+            .map(|((a, b), _)| (*a - *b).abs().max_element() / level)
+            .collect();
+        errors.sort_by(f32::total_cmp);
+        // 1e-3 on average as above; nine in ten pixels to the rounding of six sums and f32 factors.
+        let average = errors.iter().sum::<f32>() / errors.len() as f32;
+        assert!(average < 1e-3, "{}: mean {average}", layer.name());
+        assert!(errors[errors.len() * 9 / 10] < 1e-4, "{}: {}", layer.name(), errors[errors.len() * 9 / 10]);
+    }
+}
+
+#[test]
+fn the_display_is_the_same_within_one_step() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let heat = |logarithmic| FalseColour { palette: Palette::Inferno, low: 0.5, high: 60.0, logarithmic };
+    for display in [
+        Display { ev100: 4.0, ..Display::default() },
+        Display { ev100: 3.0, tone: ToneCurve::Linear, false_colour: None },
+        Display { false_colour: Some(heat(false)), ..Display::default() },
+        Display { false_colour: Some(heat(true)), ..Display::default() },
+    ] {
+        let weights = [1.0, 0.5, 2.0];
+        let settings = FrameSettings {
+            display,
+            weights,
+            ..frame_settings(solution.scene.camera, DirectQuality::Elements)
+        };
+        gpu.frame(&settings);
+        let wanted = composite::display(&gpu.layers().sum(weights), &display);
+        // One step of 255 for the rounding of pow, log and the sums in f32.
+        let worst = gpu
+            .output()
+            .iter()
+            .zip(&wanted)
+            .flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)))
+            .max();
+        assert!(worst <= Some(1), "{display:?}: {worst:?} steps");
+    }
+}
+
+#[test]
+fn an_outline_surrounds_the_selected_object_alone() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let plain = frame_settings(solution.scene.camera, DirectQuality::Elements);
+    gpu.frame(&plain);
+    let before = gpu.output();
+    let block = solution.scene.objects.iter().position(|o| o.name == "short block").unwrap() as u32;
+    gpu.frame(&FrameSettings { highlighted: Some(block), ..plain });
+    let after = gpu.output();
+    let on_block: Vec<bool> = gpu
+        .triangles()
+        .iter()
+        .map(|&t| t != u32::MAX && solution.world.geometry.object[t as usize] == block)
+        .collect();
+    let changed = before.iter().zip(&after).filter(|(a, b)| a != b).count();
+    assert!(changed > 50, "{changed} pixels outlined");
+    assert!(changed < on_block.len() / 10, "{changed} pixels outlined");
+    assert!((0..after.len()).all(|i| !on_block[i] || before[i] == after[i]), "the object itself changed");
+}
+
+#[test]
+fn inspection_scenes_are_drawn_as_the_overlay_says() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let bins = DirectionBins::new(5);
+    let glyph = |centre, first_bin| SphereGlyph { centre, radius: 0.12, first_bin, sample: 0 };
+    let scene = InspectionScene {
+        spheres: vec![
+            glyph(Vec3::new(-0.5, 1.5, 0.3), 0),
+            glyph(Vec3::new(0.7, 0.3, -0.6), bins.len() as u32),
+            glyph(Vec3::new(0.1, 1.2, 0.5), 0),
+        ],
+        sphere_bins: (0..2 * bins.len()).map(|i| Vec3::splat((i % 17) as f32)).collect(),
+        bins: Some(bins),
+        meshes: vec![ColouredMesh {
+            positions: vec![
+                Vec3::new(-0.9, 0.02, 0.9),
+                Vec3::new(0.0, 0.02, 0.9),
+                Vec3::new(-0.9, 0.9, -0.9),
+            ],
+            values: vec![Vec3::ZERO, Vec3::splat(8.0), Vec3::splat(16.0)],
+            triangles: vec![[0, 1, 2]],
+        }],
+        lines: vec![Line {
+            ends: [Vec3::new(-0.9, 0.1, 0.9), Vec3::new(0.9, 1.9, -0.9)],
+            colour: Vec3::new(1.0, 0.2, 0.1),
+        }],
+        ..InspectionScene::default()
+    };
+    let colour = FalseColour { palette: Palette::Viridis, low: 0.0, high: 16.0, logarithmic: false };
+    let camera = solution.scene.camera;
+    let (device, queue) = (&gpu.context.device, &gpu.context.queue);
+    gpu.renderer.set_inspection(device, queue, Some(&scene), &colour).unwrap();
+    let settings = frame_settings(camera, DirectQuality::Elements);
+    gpu.frame(&settings);
+    let pass = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &pass);
+    let plain = composite::display(&layers.sum([1.0; 3]), &settings.display);
+    let mut wanted = plain.clone();
+    overlay::draw(&mut wanted, &buffer, &camera, &scene, &colour);
+    let drawn = plain.iter().zip(&wanted).filter(|(a, b)| a != b).count();
+    assert!(drawn > 500, "only {drawn} pixels of overlay");
+    let off = gpu
+        .output()
+        .iter()
+        .zip(&wanted)
+        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2))
+        .count();
+    // Edges of lines, triangles and bins fall on the other side of a pixel's centre now and then.
+    println!("overlay: {off} of {} pixels differ, {drawn} are drawn", wanted.len());
+    assert!(off * 100 <= wanted.len(), "{off} pixels differ");
+    gpu.renderer.set_inspection(&gpu.context.device, &gpu.context.queue, None, &colour).unwrap();
+    gpu.frame(&settings);
+    let left = gpu.output().iter().zip(&plain).filter(|(a, b)| a[0].abs_diff(b[0]) > 2).count();
+    assert!(left * 100 <= plain.len(), "{left} pixels of overlay are left");
+}
+
+/// One structure of a program: its name, size and the offsets of its members.
+fn layout_of(program: &shaders::Program, name: &str) -> (u32, Vec<u32>) {
+    let module = naga::front::wgsl::parse_str(&program.source()).unwrap();
+    for (_, ty) in module.types.iter() {
+        if let (Some(found), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner)
+            && found == name
+        {
+            return (*span, members.iter().map(|m| m.offset).collect());
+        }
+    }
+    panic!("{} has no structure {name}", program.name);
+}
+
+#[test]
+fn every_program_is_valid_wgsl() {
+    // Needed to unpack halves, which WGSL has without any extension.
+    let half = naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+    for program in shaders::ALL {
+        let source = program.source();
+        let module = naga::front::wgsl::parse_str(&source)
+            .unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&source)));
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), half)
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&source)));
+    }
+}
+
+macro_rules! same_layout {
+    ($program:expr, $name:literal, $ty:ty, $($field:ident),+) => {{
+        let value: $ty = bytemuck::Zeroable::zeroed();
+        let offsets: Vec<u32> = vec![$(offset_of!(value, $ty, $field) as u32),+];
+        let (size, wanted) = layout_of(&$program, $name);
+        assert_eq!(size as usize, size_of::<$ty>(), "size of {}", $name);
+        // Arrays stand for several members of the shader.
+        assert!(offsets.iter().all(|o| wanted.contains(o)), "{}: {offsets:?}, shader {wanted:?}", $name);
+        assert!(offsets.windows(2).all(|w| w[0] < w[1]), "{} is named out of order", $name);
+    }};
+}
+
+#[test]
+fn structures_have_the_same_layout_on_both_sides() {
+    use shaders::{COMPOSITE, INSPECTION, SHADE};
+    same_layout!(
+        SHADE,
+        "Frame",
+        frame::Frame,
+        eye,
+        frame,
+        forward,
+        samples,
+        right,
+        emitter_count,
+        up,
+        tree_count,
+        half_size,
+        size,
+        subpixel,
+        seed,
+        accumulated,
+        near,
+        highlighted,
+        line_width,
+        depth_bias
+    );
+    same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
+    same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object);
+    same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, padding);
+    same_layout!(
+        SHADE,
+        "MaterialInfo",
+        tables::MaterialInfo,
+        reflectance,
+        reflectance_texture,
+        emission,
+        emission_texture,
+        double_sided,
+        padding
+    );
+    same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
+    same_layout!(SHADE, "Node", tables::Node, low, count, high, first);
+    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, padding_0, b, padding_1, c, padding_2);
+    same_layout!(SHADE, "Tree", tables::Tree, rows, root, node_count, padding);
+    same_layout!(
+        SHADE,
+        "EmitterInfo",
+        tables::EmitterInfo,
+        colour,
+        kind,
+        position,
+        cos_inner,
+        axis,
+        cos_outer,
+        first,
+        count,
+        flags,
+        area
+    );
+    same_layout!(SHADE, "EmitterTriangle", tables::EmitterTriangle, triangle, cumulative_area);
+    same_layout!(SHADE, "SideMap", SideMap, first, size, corners);
+    same_layout!(SHADE, "ElementLight", tables::ElementLight, direct, padding_0, indirect, padding_1);
+    same_layout!(
+        COMPOSITE,
+        "Composite",
+        frame::Composite,
+        weights,
+        exposure,
+        tone,
+        false_colour,
+        encode,
+        padding
+    );
+    same_layout!(COMPOSITE, "FalseColour", frame::FalseColourTable, low, high, logarithmic, padding, palette);
+    same_layout!(COMPOSITE, "ShownTriangle", tables::TriangleInfo, material, object);
+    same_layout!(INSPECTION, "Sphere", gpu_inspection::Sphere, centre, radius, first_bin, padding);
+    same_layout!(
+        INSPECTION,
+        "LineInfo",
+        gpu_inspection::LineInfo,
+        a,
+        padding_0,
+        b,
+        padding_1,
+        colour,
+        padding_2
+    );
+    same_layout!(INSPECTION, "InspectionSettings", gpu_inspection::InspectionSettings, bins, encode, padding);
+}

@@ -1,7 +1,7 @@
 //! A device without a window, and what any device must offer.
 
 /// Storage buffers the shading pass binds in one stage.
-pub const STORAGE_BUFFERS: u32 = 14;
+pub const STORAGE_BUFFERS: u32 = 15;
 
 /// What can go wrong on the way to a device.
 #[derive(Debug, thiserror::Error)]

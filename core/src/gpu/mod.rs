@@ -4,8 +4,17 @@
 //! two. The GPU shows, it does not solve: what it draws was computed by the solvers.
 
 pub mod device;
+pub mod frame;
+pub mod inspection;
 pub mod offline;
+mod readback;
 pub mod renderer;
+mod scene;
+pub mod shaders;
+mod storage;
+pub mod tables;
+mod targets;
 
 pub use device::{GpuContext, GpuError, required_features, required_limits};
-pub use renderer::{FrameSettings, GpuRenderer};
+pub use frame::FrameSettings;
+pub use renderer::GpuRenderer;

@@ -28,7 +28,7 @@ pub fn render(
     }
     let (device, queue) = (&context.device, &context.queue);
     let mut renderer = GpuRenderer::new(device, wgpu::TextureFormat::Rgba8Unorm)?;
-    renderer.upload(device, queue, solution);
+    renderer.upload(device, queue, solution)?;
     for frame_index in 0..frames.max(1) {
         let frame = FrameSettings {
             camera: *camera,

@@ -1,148 +1,402 @@
 //! The superposition renderer in wgpu: visibility, shading, composite, inspection.
+//!
+//! Visibility is rasterised, because that is what every adapter is fast at; shading meets the same
+//! triangle by the pixel's ray, so that what is shaded is what the CPU shades. Shadow rays walk the
+//! CPU's own trees in a compute shader, not in ray-query hardware: few adapters have it, and the
+//! software one has none.
 
-use super::device::GpuError;
+pub use super::frame::FrameSettings;
+use super::{
+    device::GpuError,
+    frame::{Composite, FalseColourTable, Frame},
+    inspection::Inspection,
+    readback,
+    scene::SceneTables,
+    shaders,
+    storage::{Binding, bind, layout, uniform},
+    targets::{DEPTH_FORMAT, TRIANGLE_FORMAT, Targets},
+};
 use crate::{
     inspection::InspectionScene,
-    math::false_colour::FalseColour,
-    scene::camera::Camera,
-    superposition::{
-        composite::{DirectQuality, Display},
-        layers::Layers,
-    },
+    math::{false_colour::FalseColour, image::LinearImage},
+    superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers},
     transport::LightTransportSolution,
 };
-
-/// What one frame shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameSettings {
-    /// From where.
-    pub camera: Camera,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Weight of each layer, in the order of [`crate::superposition::layers::Layer::ALL`].
-    pub weights: [f32; 3],
-    /// From radiance to display.
-    pub display: Display,
-    /// How direct light is evaluated.
-    pub direct: DirectQuality,
-    /// Number of the frame: frames differ in their shadow rays. 0 starts over when accumulating.
-    pub frame_index: u32,
-    /// Whether this frame joins the running mean of those before it, with jittered pixels; otherwise
-    /// it replaces them. Start with `frame_index` 0 after any change of camera, size or solution.
-    pub accumulate: bool,
-    /// Object to outline.
-    pub highlighted: Option<u32>,
-    /// Seed of every random number.
-    pub seed: u64,
-}
-
-impl Default for FrameSettings {
-    fn default() -> Self {
-        Self {
-            camera: Camera::default(),
-            size: [640, 360],
-            weights: [1.0; 3],
-            display: Display::default(),
-            direct: DirectQuality::PerPixel(4),
-            frame_index: 0,
-            accumulate: false,
-            highlighted: None,
-            seed: 1,
-        }
-    }
-}
+use glam::Vec3;
 
 /// Draws a solution into textures of its own.
 pub struct GpuRenderer {
-    output: wgpu::TextureView,
+    format: wgpu::TextureFormat,
+    scene: SceneTables,
+    inspection: Inspection,
+    targets: Targets,
+    frame: wgpu::Buffer,
+    composite_settings: wgpu::Buffer,
+    false_colour: wgpu::Buffer,
+    visibility_layout: wgpu::BindGroupLayout,
+    shade_layout: wgpu::BindGroupLayout,
+    composite_layout: wgpu::BindGroupLayout,
+    visibility_group: wgpu::BindGroup,
+    shade_group: wgpu::BindGroup,
+    composite_group: wgpu::BindGroup,
+    visibility: wgpu::RenderPipeline,
+    shade_per_pixel: wgpu::ComputePipeline,
+    shade_elements: wgpu::ComputePipeline,
+    composite: wgpu::RenderPipeline,
+    accumulated: u32,
 }
 
 impl GpuRenderer {
-    /// Builds the pipelines; `output_format` is that of [`Self::output`].
+    /// Builds the pipelines; `output_format` is that of [`Self::output`], four bytes a texel.
     ///
     /// # Errors
-    /// Where the device's limits are too small.
+    /// Where the device binds too few storage buffers.
     pub fn new(device: &wgpu::Device, output_format: wgpu::TextureFormat) -> Result<Self, GpuError> {
-        let output = device
-            .create_texture(&wgpu::TextureDescriptor {
-                label: Some("output"),
-                size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: output_format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
+        let offered = device.limits().max_storage_buffers_per_shader_stage;
+        if offered < super::device::STORAGE_BUFFERS {
+            return Err(GpuError::TooSmall {
+                adapter: "in use".into(),
+                what: "storage buffers a stage",
+                offered: offered.into(),
+                needed: super::device::STORAGE_BUFFERS.into(),
+            });
+        }
+        use Binding::{Table, Texture, Uniform, Written};
+        use wgpu::ShaderStages as Stages;
+        let scene = SceneTables::new(device);
+        let visibility_layout = layout(device, "visibility", Stages::VERTEX_FRAGMENT, &[(0, Uniform)]);
+        let shade_layout =
+            layout(device, "shade", Stages::COMPUTE, &[(0, Uniform), (1, Texture), (2, Written)]);
+        let composite_layout = layout(
+            device,
+            "composite",
+            Stages::VERTEX_FRAGMENT,
+            &[(0, Uniform), (1, Texture), (2, Table), (3, Uniform), (4, Uniform), (5, Table)],
+        );
+        let frame = uniform::<Frame>(device, "frame");
+        let composite_settings = uniform::<Composite>(device, "composite");
+        let false_colour = uniform::<FalseColourTable>(device, "false colour");
+        let targets = Targets::new(device, output_format, [1, 1]);
+        let [visibility_group, shade_group, composite_group] = groups(
+            device,
+            [&visibility_layout, &shade_layout, &composite_layout],
+            [&frame, &composite_settings, &false_colour],
+            &targets,
+            scene.triangles(),
+        );
+
+        let visibility = render_pipeline(
+            device,
+            &shaders::VISIBILITY.module(device),
+            ["project", "identify"],
+            &[&scene.raster_layout, &visibility_layout],
+            TRIANGLE_FORMAT,
+            true,
+        );
+        let shade_module = shaders::SHADE.module(device);
+        let shade_pipeline_layout = pipeline_layout(device, &[&scene.layout, &shade_layout]);
+        let shade = |entry| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: Some(&shade_pipeline_layout),
+                module: &shade_module,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
             })
-            .create_view(&Default::default());
-        Ok(Self { output })
+        };
+        let composite = render_pipeline(
+            device,
+            &shaders::COMPOSITE.module(device),
+            ["full_screen", "composite"],
+            &[&composite_layout],
+            output_format,
+            false,
+        );
+        Ok(Self {
+            inspection: Inspection::new(device, &frame, output_format),
+            shade_per_pixel: shade("shade_per_pixel"),
+            shade_elements: shade("shade_elements"),
+            format: output_format,
+            scene,
+            targets,
+            frame,
+            composite_settings,
+            false_colour,
+            visibility_layout,
+            shade_layout,
+            composite_layout,
+            visibility_group,
+            shade_group,
+            composite_group,
+            visibility,
+            composite,
+            accumulated: 0,
+        })
     }
 
     /// Takes over a solution: everything when the scene is new, only what differs otherwise.
+    ///
+    /// # Errors
+    /// [`GpuError::TooSmall`] where the scene does not fit the device; then nothing is shown.
     pub fn upload(
         &mut self,
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
-        _solution: &LightTransportSolution,
-    ) {
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        solution: &LightTransportSolution,
+    ) -> Result<(), GpuError> {
+        self.accumulated = 0;
+        if self.scene.upload(device, queue, solution)? {
+            self.bind(device);
+        }
+        Ok(())
     }
 
     /// What to draw over the picture, coloured by luminance; `None` clears it.
+    ///
+    /// # Errors
+    /// [`GpuError::TooSmall`] where it does not fit the device.
     pub fn set_inspection(
         &mut self,
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
-        _scene: Option<&InspectionScene>,
-        _colour: &FalseColour,
-    ) {
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: Option<&InspectionScene>,
+        colour: &FalseColour,
+    ) -> Result<(), GpuError> {
+        self.inspection.set(device, queue, scene, colour)
     }
 
     /// Records one frame.
     pub fn render(
         &mut self,
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
-        _encoder: &mut wgpu::CommandEncoder,
-        _frame: &FrameSettings,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        settings: &FrameSettings,
     ) {
+        let size = Targets::fitting(device, settings.size);
+        if size != self.targets.size {
+            self.targets = Targets::new(device, self.format, size);
+            self.accumulated = 0;
+            self.bind(device);
+        }
+        if !settings.accumulate || settings.frame_index == 0 {
+            self.accumulated = 0;
+        }
+        let settings = FrameSettings { size, ..*settings };
+        let frame = Frame::new(&settings, self.scene.counts, self.accumulated);
+        self.accumulated += 1;
+        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
+        let composite = Composite::new(settings.weights, &settings.display, !self.format.is_srgb());
+        queue.write_buffer(&self.composite_settings, 0, bytemuck::bytes_of(&composite));
+        if let Some(colour) = &settings.display.false_colour {
+            let table = FalseColourTable::new(colour);
+            queue.write_buffer(&self.false_colour, 0, bytemuck::bytes_of(&table));
+        }
+        self.record_visibility(encoder);
+        self.record_shading(encoder, settings.direct);
+        self.record_composite(encoder);
+        self.inspection.record(encoder, &self.targets);
     }
 
     /// The display-encoded picture of the last frame.
     pub fn output(&self) -> &wgpu::TextureView {
-        &self.output
+        &self.targets.output_view
+    }
+
+    /// Width and height of the last frame: what was asked for, or what the device can.
+    pub fn size(&self) -> [u32; 2] {
+        self.targets.size
+    }
+
+    /// Frames in the running mean.
+    pub fn accumulated(&self) -> u32 {
+        self.accumulated
     }
 
     /// The layers of the last submitted frame, cd/m².
     ///
     /// # Errors
-    /// If the device is lost.
-    pub fn read_layers(&self, _device: &wgpu::Device, _queue: &wgpu::Queue) -> Result<Layers, GpuError> {
-        Ok(Layers::new(0, 0))
+    /// [`GpuError::Readback`] if the device is lost.
+    pub fn read_layers(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Layers, GpuError> {
+        let bytes = readback::buffer(device, queue, &self.targets.layers, self.targets.layer_bytes())?;
+        let values: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+        let [width, height] = self.targets.size;
+        let pixels = (width * height) as usize;
+        Ok(Layers {
+            images: std::array::from_fn(|i| LinearImage {
+                width,
+                height,
+                pixels: values[3 * pixels * i..3 * pixels * (i + 1)]
+                    .chunks_exact(3)
+                    .map(Vec3::from_slice)
+                    .collect(),
+            }),
+        })
     }
 
     /// The display picture of the last submitted frame, row-major, sRGB.
     ///
     /// # Errors
-    /// If the device is lost.
-    pub fn read_output(
-        &self,
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
-    ) -> Result<Vec<[u8; 4]>, GpuError> {
-        Ok(Vec::new())
+    /// [`GpuError::Readback`] if the device is lost.
+    pub fn read_output(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[u8; 4]>, GpuError> {
+        use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb};
+        let pixels = readback::texture(device, queue, &self.targets.output)?;
+        Ok(match self.format {
+            Bgra8Unorm | Bgra8UnormSrgb => pixels.into_iter().map(|[b, g, r, a]| [r, g, b, a]).collect(),
+            _ => pixels,
+        })
     }
 
-    /// Triangle of each pixel of the last submitted frame, [`crate::superposition::gbuffer::NO_TRIANGLE`] for none.
+    /// Triangle of each pixel of the last submitted frame, [`NO_TRIANGLE`] for none.
     ///
     /// # Errors
-    /// If the device is lost.
+    /// [`GpuError::Readback`] if the device is lost.
     pub fn read_triangle_ids(
         &self,
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
     ) -> Result<Vec<u32>, GpuError> {
-        Ok(Vec::new())
+        let pixels = readback::texture(device, queue, &self.targets.triangles)?;
+        // 0, nothing, wraps around to NO_TRIANGLE.
+        const { assert!(0u32.wrapping_sub(1) == NO_TRIANGLE) };
+        Ok(pixels.into_iter().map(|p| u32::from_le_bytes(p).wrapping_sub(1)).collect())
     }
+
+    fn bind(&mut self, device: &wgpu::Device) {
+        [self.visibility_group, self.shade_group, self.composite_group] = groups(
+            device,
+            [&self.visibility_layout, &self.shade_layout, &self.composite_layout],
+            [&self.frame, &self.composite_settings, &self.false_colour],
+            &self.targets,
+            self.scene.triangles(),
+        );
+    }
+
+    fn record_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("visibility"),
+            color_attachments: &[Some(clearing(&self.targets.triangles_view))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.targets.depth_view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.visibility);
+        pass.set_bind_group(0, &self.scene.raster_group, &[]);
+        pass.set_bind_group(1, &self.visibility_group, &[]);
+        pass.draw(0..3 * self.scene.triangle_count(), 0..1);
+    }
+
+    fn record_shading(&self, encoder: &mut wgpu::CommandEncoder, direct: DirectQuality) {
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), ..Default::default() });
+        pass.set_pipeline(match direct {
+            DirectQuality::Elements => &self.shade_elements,
+            DirectQuality::PerPixel(_) => &self.shade_per_pixel,
+        });
+        pass.set_bind_group(0, &self.scene.group, &[]);
+        pass.set_bind_group(1, &self.shade_group, &[]);
+        let [width, height] = self.targets.size;
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+    }
+
+    fn record_composite(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("composite"),
+            color_attachments: &[Some(clearing(&self.targets.output_view))],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.composite);
+        pass.set_bind_group(0, &self.composite_group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn clearing(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+fn groups(
+    device: &wgpu::Device,
+    [visibility, shade, composite]: [&wgpu::BindGroupLayout; 3],
+    [frame, settings, false_colour]: [&wgpu::Buffer; 3],
+    targets: &Targets,
+    triangles: &wgpu::Buffer,
+) -> [wgpu::BindGroup; 3] {
+    let frame = frame.as_entire_binding();
+    let seen = wgpu::BindingResource::TextureView(&targets.triangles_view);
+    let layers = targets.layers.as_entire_binding();
+    let seen_and_layers = [(0, frame.clone()), (1, seen), (2, layers)];
+    let mut all = seen_and_layers.to_vec();
+    all.extend([
+        (3, settings.as_entire_binding()),
+        (4, false_colour.as_entire_binding()),
+        (5, triangles.as_entire_binding()),
+    ]);
+    [
+        bind(device, "visibility", visibility, &[(0, frame)]),
+        bind(device, "shade", shade, &seen_and_layers),
+        bind(device, "composite", composite, &all),
+    ]
+}
+
+fn pipeline_layout(device: &wgpu::Device, groups: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+/// A pipeline that draws triangles without vertex buffers and without culling.
+pub(super) fn render_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    [vertex, fragment]: [&str; 2],
+    groups: &[&wgpu::BindGroupLayout],
+    format: wgpu::TextureFormat,
+    depth: bool,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&pipeline_layout(device, groups)),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: depth.then(|| wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }

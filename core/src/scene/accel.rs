@@ -84,7 +84,62 @@ struct Tree {
     triangle: Vec<u32>,
 }
 
+/// One tree as flat tables, for a kernel that traces the same rays.
+#[derive(Clone, Copy)]
+pub struct TreeView<'a> {
+    /// The movable object it holds; `None` for what stands still.
+    pub object: Option<u32>,
+    /// From world to the placement the tree was built in.
+    pub built_from_world: Affine3A,
+    /// Placement of the object when the tree was built.
+    pub world_from_object_built: Affine3A,
+    tree: &'a Tree,
+}
+
+/// A node of a [`TreeView`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeView {
+    /// Smallest and largest corner of its box.
+    pub bounds: [Vec3; 2],
+    /// Triangles of a leaf; 0 for an inner node, whose children are `first` and `first + 1`.
+    pub count: u32,
+    /// First child, or first triangle of a leaf.
+    pub first: u32,
+}
+
+impl<'a> TreeView<'a> {
+    /// Nodes, the root first.
+    pub fn nodes(self) -> impl Iterator<Item = NodeView> + 'a {
+        self.tree.bvh.nodes.iter().map(|n| NodeView {
+            bounds: [n.aabb().min.into(), n.aabb().max.into()],
+            count: n.prim_count,
+            first: n.first_index,
+        })
+    }
+
+    /// Corners of the triangles in the order that leaves count them.
+    pub fn triangles(self) -> impl Iterator<Item = [Vec3; 3]> + 'a {
+        self.tree.corners.iter().map(|t| [t.v0, t.v1, t.v2].map(Vec3::from))
+    }
+}
+
 impl Accel {
+    /// The trees as flat tables: first the one of what stands still, then one a movable object.
+    pub fn trees(&self) -> impl Iterator<Item = TreeView<'_>> {
+        let still = TreeView {
+            object: None,
+            built_from_world: Affine3A::IDENTITY,
+            world_from_object_built: Affine3A::IDENTITY,
+            tree: &self.still,
+        };
+        std::iter::once(still).chain(self.movable.iter().map(|m| TreeView {
+            object: Some(m.object),
+            built_from_world: m.built_from_world,
+            world_from_object_built: m.world_from_object_built,
+            tree: &m.tree,
+        }))
+    }
+
     /// Builds the trees.
     pub fn new(geometry: &Geometry) -> Self {
         let still =

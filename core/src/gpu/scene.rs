@@ -1,0 +1,202 @@
+//! A solution in storage buffers, and what to send when it changes.
+//!
+//! Every new solution shares what did not change with the one before it; sharing is what is
+//! compared. A dragged object costs its own corners, a dragged lamp the light of the elements.
+
+use super::{
+    device::GpuError,
+    storage::{Binding, Storage, bind, layout},
+    tables,
+};
+use crate::{
+    radiosity::lookup::SideMap, scene::geometry::Geometry, superposition::moved::MovedLight,
+    transport::LightTransportSolution,
+};
+use std::sync::Arc;
+
+const LABELS: [&str; 14] = [
+    "corners",
+    "triangles",
+    "materials",
+    "objects",
+    "textures",
+    "texels",
+    "nodes",
+    "tree triangles",
+    "trees",
+    "emitters",
+    "emitter triangles",
+    "sides",
+    "element light",
+    "moved light",
+];
+
+/// Names of the buffers: their binding numbers in group 0.
+#[derive(Clone, Copy)]
+enum Table {
+    Corners,
+    Triangles,
+    Materials,
+    Objects,
+    Textures,
+    Texels,
+    Nodes,
+    TreeTriangles,
+    Trees,
+    Emitters,
+    EmitterTriangles,
+    Sides,
+    ElementLight,
+    MovedLight,
+}
+
+/// A solution on the device.
+pub(super) struct SceneTables {
+    storage: [Storage; 14],
+    last: Option<LightTransportSolution>,
+    /// Layout of all tables, for shading.
+    pub(super) layout: wgpu::BindGroupLayout,
+    /// Layout of corners, triangles and materials, for rasterising.
+    pub(super) raster_layout: wgpu::BindGroupLayout,
+    /// All tables.
+    pub(super) group: wgpu::BindGroup,
+    /// Corners, triangles and materials.
+    pub(super) raster_group: wgpu::BindGroup,
+    /// Numbers of emitters and trees.
+    pub(super) counts: [u32; 2],
+}
+
+impl SceneTables {
+    /// No scene.
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let storage: [Storage; 14] = std::array::from_fn(|i| Storage::new(device, LABELS[i]));
+        let all: Vec<_> = (0..14).map(|i| (i, Binding::Table)).collect();
+        let layout_all = layout(device, "scene", wgpu::ShaderStages::COMPUTE, &all);
+        let raster_layout = layout(device, "raster", wgpu::ShaderStages::VERTEX_FRAGMENT, &all[..3]);
+        let group = group(device, &layout_all, &storage);
+        let raster_group = self::group(device, &raster_layout, &storage[..3]);
+        Self { storage, last: None, layout: layout_all, raster_layout, group, raster_group, counts: [0; 2] }
+    }
+
+    /// Number of triangles.
+    pub(super) fn triangle_count(&self) -> u32 {
+        self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32)
+    }
+
+    /// Material and object of each triangle.
+    pub(super) fn triangles(&self) -> &wgpu::Buffer {
+        self.storage[Table::Triangles as usize].buffer()
+    }
+
+    /// Takes over a solution; says whether buffers were made anew.
+    ///
+    /// # Errors
+    /// [`GpuError::TooSmall`] where a table does not fit the device; then nothing is shown.
+    pub(super) fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        solution: &LightTransportSolution,
+    ) -> Result<bool, GpuError> {
+        let last = self.last.take();
+        let known = last.as_ref().filter(|last| same_structure(last, solution));
+        let (world, radiosity) = (&solution.world, &solution.radiosity);
+        let geometry = &world.geometry;
+        let mut renewed = false;
+        let mut write = Writer { storage: &mut self.storage, device, queue, renewed: &mut renewed };
+        match known {
+            Some(last) => {
+                for (object, range) in geometry.object_triangles.iter().enumerate() {
+                    if geometry.world_from_object[object] != last.world.geometry.world_from_object[object] {
+                        let corners = tables::corners(geometry, range.clone());
+                        write.storage[Table::Corners as usize].patch(
+                            queue,
+                            3 * range.start as usize,
+                            &corners,
+                        );
+                    }
+                }
+            }
+            None => {
+                write.table(Table::Corners, &tables::corners(geometry, 0..geometry.len() as u32))?;
+                write.table(Table::Triangles, &tables::triangles(geometry))?;
+                let (infos, texels) = tables::textures(geometry.textures.iter().map(|t| &**t));
+                write.table(Table::Textures, &infos)?;
+                write.table(Table::Texels, &texels)?;
+                let (nodes, triangles) = tables::tree_nodes(&world.accel);
+                write.table(Table::Nodes, &nodes)?;
+                write.table(Table::TreeTriangles, &triangles)?;
+            }
+        }
+        let trees = tables::trees(&world.accel);
+        write.table(Table::Trees, &trees)?;
+        write.table(Table::Materials, &tables::materials(geometry))?;
+        let (emitters, emitter_triangles) = tables::emitters(&world.emitters);
+        write.table(Table::Emitters, &emitters)?;
+        write.table(Table::EmitterTriangles, &emitter_triangles)?;
+        let moved = MovedLight::new(solution, true);
+        write.table(Table::Objects, &tables::objects(geometry, &moved))?;
+        write.table(Table::MovedLight, &tables::moved_light(&moved))?;
+        if !known.is_some_and(|last| last.radiosity.sides().as_ptr() == radiosity.sides().as_ptr()) {
+            if radiosity.sides().len() == 2 * geometry.len() {
+                write.table(Table::Sides, radiosity.sides())?;
+            } else {
+                write.table(Table::Sides, &vec![SideMap::NONE; 2 * geometry.len()])?;
+            }
+        }
+        if !known.is_some_and(|last| Arc::ptr_eq(&last.radiosity, radiosity)) {
+            let light = tables::element_light(&radiosity.direct, &radiosity.indirect);
+            write.table(Table::ElementLight, &light)?;
+        }
+        self.counts = [emitters.len() as u32, trees.len() as u32];
+        if renewed {
+            self.group = group(device, &self.layout, &self.storage);
+            self.raster_group = group(device, &self.raster_layout, &self.storage[..3]);
+        }
+        // Held so that what its pointers name cannot be freed and reused.
+        self.last = Some(solution.clone());
+        Ok(renewed)
+    }
+}
+
+struct Writer<'a> {
+    storage: &'a mut [Storage; 14],
+    device: &'a wgpu::Device,
+    queue: &'a wgpu::Queue,
+    renewed: &'a mut bool,
+}
+
+impl Writer<'_> {
+    fn table<T: bytemuck::Pod>(&mut self, table: Table, values: &[T]) -> Result<(), GpuError> {
+        *self.renewed |= self.storage[table as usize].write(self.device, self.queue, values)?;
+        Ok(())
+    }
+}
+
+fn group(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, storage: &[Storage]) -> wgpu::BindGroup {
+    let resources: Vec<_> =
+        storage.iter().enumerate().map(|(i, s)| (i as u32, s.buffer().as_entire_binding())).collect();
+    bind(device, "scene", layout, &resources)
+}
+
+/// Whether two solutions differ only in placements of movable objects, materials' values and light.
+fn same_structure(a: &LightTransportSolution, b: &LightTransportSolution) -> bool {
+    if Arc::ptr_eq(&a.world, &b.world) {
+        return true;
+    }
+    let (g, h): (&Geometry, &Geometry) = (&a.world.geometry, &b.world.geometry);
+    let meshes = a.scene.meshes.len() == b.scene.meshes.len()
+        && a.scene.meshes.iter().zip(&b.scene.meshes).all(|(a, b)| Arc::ptr_eq(a, b))
+        && a.scene.objects.len() == b.scene.objects.len()
+        && a.scene.objects.iter().zip(&b.scene.objects).all(|(a, b)| a.parts == b.parts);
+    let textures = g.textures.len() == h.textures.len()
+        && g.textures.iter().zip(&h.textures).all(|(a, b)| Arc::ptr_eq(a, b));
+    let still = g.movable == h.movable
+        && (0..g.movable.len()).all(|i| g.movable[i] || g.world_from_object[i] == h.world_from_object[i]);
+    let built = a.world.accel.trees().map(|t| t.world_from_object_built).eq(b
+        .world
+        .accel
+        .trees()
+        .map(|t| t.world_from_object_built));
+    meshes && textures && still && built && g.len() == h.len()
+}

@@ -1,0 +1,77 @@
+//! The shader library: every program as the WGSL files it is made of, in order.
+//!
+//! Files are joined, never rewritten; a variant is another entry point.
+
+/// One program: what a shader module is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Program {
+    /// Its name, for labels and messages.
+    pub name: &'static str,
+    /// Its files.
+    files: &'static [&'static str],
+}
+
+macro_rules! wgsl {
+    ($path:literal) => {
+        include_str!(concat!("../../../shaders/", $path))
+    };
+}
+
+/// Which triangle each pixel sees.
+pub const VISIBILITY: Program = Program {
+    name: "visibility",
+    files: &[wgsl!("shared/frame.wgsl"), wgsl!("shared/scene.wgsl"), wgsl!("superposition/visibility.wgsl")],
+};
+
+/// The layers.
+pub const SHADE: Program = Program {
+    name: "shade",
+    files: &[
+        wgsl!("shared/random.wgsl"),
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/scene.wgsl"),
+        wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/direct.wgsl"),
+        wgsl!("shared/elements.wgsl"),
+        wgsl!("superposition/shade.wgsl"),
+    ],
+};
+
+/// From layers to display.
+pub const COMPOSITE: Program = Program {
+    name: "composite",
+    files: &[
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/false_colour.wgsl"),
+        wgsl!("superposition/composite.wgsl"),
+    ],
+};
+
+/// What a view shows.
+pub const INSPECTION: Program = Program {
+    name: "inspection",
+    files: &[
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/false_colour.wgsl"),
+        wgsl!("shared/sphere_map.wgsl"),
+        wgsl!("superposition/inspection.wgsl"),
+    ],
+};
+
+/// Every program.
+pub const ALL: [Program; 4] = [VISIBILITY, SHADE, COMPOSITE, INSPECTION];
+
+impl Program {
+    /// Its whole source.
+    pub fn source(&self) -> String {
+        self.files.join("\n")
+    }
+
+    /// Compiles it.
+    pub fn module(&self, device: &wgpu::Device) -> wgpu::ShaderModule {
+        device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(self.name),
+            source: wgpu::ShaderSource::Wgsl(self.source().into()),
+        })
+    }
+}

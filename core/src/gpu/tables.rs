@@ -1,0 +1,376 @@
+//! The scene as flat tables: the Rust sides of the structures in `shaders/shared/`.
+
+use crate::{
+    math::image::LinearImage,
+    scene::{
+        accel::{Accel, TreeView},
+        emitters::{Emitter, Emitters},
+        geometry::Geometry,
+        lamp::LampKind,
+    },
+    superposition::moved::MovedLight,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use std::ops::Range;
+
+/// Index of nothing.
+pub const NONE: u32 = u32::MAX;
+
+/// `Corner` of `shaders/shared/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Corner {
+    /// Position, m.
+    pub position: Vec3,
+    /// First texture coordinate.
+    pub u: f32,
+    /// Shading normal.
+    pub normal: Vec3,
+    /// Second texture coordinate.
+    pub v: f32,
+}
+
+/// `TriangleInfo` of `shaders/shared/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct TriangleInfo {
+    /// Material.
+    pub material: u32,
+    /// Object.
+    pub object: u32,
+}
+
+/// `ObjectInfo` of `shaders/shared/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct ObjectInfo {
+    /// Factor on emission.
+    pub dimmer: f32,
+    /// Entry of its first triangle in the moved light, or [`NONE`].
+    pub moved_first: u32,
+    /// First triangle.
+    pub first_triangle: u32,
+    /// Nothing.
+    pub padding: u32,
+}
+
+/// `MaterialInfo` of `shaders/shared/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct MaterialInfo {
+    /// Diffuse reflectance.
+    pub reflectance: Vec3,
+    /// Its texture, or [`NONE`].
+    pub reflectance_texture: u32,
+    /// Emitted radiance, cd/m².
+    pub emission: Vec3,
+    /// Its texture, or [`NONE`].
+    pub emission_texture: u32,
+    /// Whether the back is lit.
+    pub double_sided: u32,
+    /// Nothing.
+    pub padding: [u32; 3],
+}
+
+/// `TextureInfo` of `shaders/shared/scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct TextureInfo {
+    /// First texel.
+    pub first: u32,
+    /// Width, texels.
+    pub width: u32,
+    /// Height, texels.
+    pub height: u32,
+    /// Nothing.
+    pub padding: u32,
+}
+
+/// `Node` of `shaders/shared/rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Node {
+    /// Smallest corner.
+    pub low: Vec3,
+    /// Triangles of a leaf, 0 for an inner node.
+    pub count: u32,
+    /// Largest corner.
+    pub high: Vec3,
+    /// First child or triangle, over all trees.
+    pub first: u32,
+}
+
+/// `TreeTriangle` of `shaders/shared/rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct TreeTriangle {
+    /// Corner 0.
+    pub a: Vec3,
+    /// Nothing.
+    pub padding_0: u32,
+    /// Corner 1.
+    pub b: Vec3,
+    /// Nothing.
+    pub padding_1: u32,
+    /// Corner 2.
+    pub c: Vec3,
+    /// Nothing.
+    pub padding_2: u32,
+}
+
+/// `Tree` of `shaders/shared/rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Tree {
+    /// Rows of the placement it was built in, from world.
+    pub rows: [Vec4; 3],
+    /// Root.
+    pub root: u32,
+    /// Nodes.
+    pub node_count: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `EmitterInfo` of `shaders/shared/direct.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct EmitterInfo {
+    /// Intensity (cd), illuminance (lx) or radiance (cd/m²), dimmer applied.
+    pub colour: Vec3,
+    /// 0 point, 1 spot, 2 directional, 3 area.
+    pub kind: u32,
+    /// Position of a lamp, m.
+    pub position: Vec3,
+    /// Cosine of a spot's full cone.
+    pub cos_inner: f32,
+    /// Axis a lamp shines along.
+    pub axis: Vec3,
+    /// Cosine of a spot's dark.
+    pub cos_outer: f32,
+    /// First entry in the emitter triangles.
+    pub first: u32,
+    /// Entries.
+    pub count: u32,
+    /// 1 double-sided, 2 textured.
+    pub flags: u32,
+    /// Area, m².
+    pub area: f32,
+}
+
+/// `EmitterTriangle` of `shaders/shared/direct.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct EmitterTriangle {
+    /// Triangle.
+    pub triangle: u32,
+    /// Area up to and including it, m².
+    pub cumulative_area: f32,
+}
+
+/// `ElementLight` of `shaders/shared/elements.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct ElementLight {
+    /// Direct irradiance, lx.
+    pub direct: Vec3,
+    /// Nothing.
+    pub padding_0: u32,
+    /// Indirect irradiance, lx.
+    pub indirect: Vec3,
+    /// Nothing.
+    pub padding_1: u32,
+}
+
+/// Corners of a range of triangles, three each.
+pub fn corners(geometry: &Geometry, range: Range<u32>) -> Vec<Corner> {
+    range
+        .flat_map(|t| {
+            let t = t as usize;
+            (0..3).map(move |i| Corner {
+                position: geometry.positions[t][i],
+                u: geometry.uvs[t][i].x,
+                normal: geometry.normals[t][i],
+                v: geometry.uvs[t][i].y,
+            })
+        })
+        .collect()
+}
+
+/// Material and object of each triangle.
+pub fn triangles(geometry: &Geometry) -> Vec<TriangleInfo> {
+    geometry
+        .material
+        .iter()
+        .zip(&geometry.object)
+        .map(|(&material, &object)| TriangleInfo { material, object })
+        .collect()
+}
+
+/// The materials.
+pub fn materials(geometry: &Geometry) -> Vec<MaterialInfo> {
+    let index = |texture: Option<usize>| texture.map_or(NONE, |i| i as u32);
+    geometry
+        .materials
+        .iter()
+        .map(|m| MaterialInfo {
+            reflectance: m.reflectance,
+            reflectance_texture: index(m.reflectance_texture),
+            emission: m.emission,
+            emission_texture: index(m.emission_texture),
+            double_sided: m.double_sided.into(),
+            padding: [0; 3],
+        })
+        .collect()
+}
+
+/// The objects.
+pub fn objects(geometry: &Geometry, moved: &MovedLight) -> Vec<ObjectInfo> {
+    (0..geometry.object_triangles.len())
+        .map(|i| ObjectInfo {
+            dimmer: geometry.dimmer[i],
+            moved_first: moved.first.get(&(i as u32)).copied().unwrap_or(NONE),
+            first_triangle: geometry.object_triangles[i].start,
+            padding: 0,
+        })
+        .collect()
+}
+
+/// Light of the moved objects, twelve values a triangle.
+pub fn moved_light(moved: &MovedLight) -> Vec<Vec4> {
+    moved.corners.iter().flatten().flatten().flatten().map(|e| e.extend(0.0)).collect()
+}
+
+/// Textures and all their texels, four halves each.
+pub fn textures<'a>(images: impl Iterator<Item = &'a LinearImage>) -> (Vec<TextureInfo>, Vec<[u16; 4]>) {
+    let (mut infos, mut texels) = (Vec::new(), Vec::new());
+    for image in images {
+        infos.push(TextureInfo {
+            first: texels.len() as u32,
+            width: image.width,
+            height: image.height,
+            padding: 0,
+        });
+        texels.extend(image.pixels.iter().map(|p| [half(p.x), half(p.y), half(p.z), 0]));
+    }
+    (infos, texels)
+}
+
+/// Bits of the half nearest to a value; beyond its range the largest, NaN becomes 0.
+pub fn half(value: f32) -> u16 {
+    let sign = ((value.to_bits() >> 16) & 0x8000) as u16;
+    let magnitude = value.abs().min(65_504.0);
+    if value.is_nan() {
+        return 0;
+    }
+    if magnitude < 6.103_515_6e-5 {
+        // Below the smallest normal half, in steps of 2⁻²⁴.
+        return sign | (magnitude * 16_777_216.0).round_ties_even() as u16;
+    }
+    let bits = magnitude.to_bits();
+    let rounded = bits + 0x0FFF + ((bits >> 13) & 1);
+    sign | ((rounded >> 13) - (112 << 10)) as u16
+}
+
+/// All nodes and triangles of all trees, one after the other.
+pub fn tree_nodes(accel: &Accel) -> (Vec<Node>, Vec<TreeTriangle>) {
+    let (mut nodes, mut triangles) = (Vec::new(), Vec::new());
+    for tree in accel.trees() {
+        let (node_base, triangle_base) = (nodes.len() as u32, triangles.len() as u32);
+        nodes.extend(tree.nodes().map(|n| Node {
+            low: n.bounds[0],
+            count: n.count,
+            high: n.bounds[1],
+            first: n.first + if n.count > 0 { triangle_base } else { node_base },
+        }));
+        triangles.extend(tree.triangles().map(|[a, b, c]| TreeTriangle { a, b, c, ..Default::default() }));
+    }
+    (nodes, triangles)
+}
+
+/// Placements of all trees, in the order of [`tree_nodes`].
+pub fn trees(accel: &Accel) -> Vec<Tree> {
+    let mut root = 0;
+    let entry = |tree: TreeView<'_>| {
+        let node_count = tree.nodes().count() as u32;
+        let m = tree.built_from_world;
+        let rows = std::array::from_fn(|i| m.matrix3.row(i).extend(m.translation[i]).into());
+        let entry = Tree { rows, root, node_count, padding: [0; 2] };
+        root += node_count;
+        entry
+    };
+    accel.trees().map(entry).collect()
+}
+
+/// The emitters and the triangles of the area emitters.
+pub fn emitters(emitters: &Emitters) -> (Vec<EmitterInfo>, Vec<EmitterTriangle>) {
+    let mut triangles = Vec::new();
+    let infos = emitters
+        .list
+        .iter()
+        .map(|emitter| match emitter {
+            Emitter::Lamp { lamp, .. } => {
+                let info =
+                    EmitterInfo { position: lamp.position(), axis: lamp.axis(), ..EmitterInfo::default() };
+                match lamp.kind {
+                    LampKind::Point { intensity } => {
+                        EmitterInfo { colour: intensity * lamp.dimmer, kind: 0, ..info }
+                    }
+                    LampKind::Spot { intensity, inner_angle, outer_angle } => EmitterInfo {
+                        colour: intensity * lamp.dimmer,
+                        kind: 1,
+                        cos_inner: inner_angle.cos(),
+                        cos_outer: outer_angle.cos(),
+                        ..info
+                    },
+                    LampKind::Directional { illuminance } => {
+                        EmitterInfo { colour: illuminance * lamp.dimmer, kind: 2, ..info }
+                    }
+                }
+            }
+            Emitter::Area(area) => {
+                let first = triangles.len() as u32;
+                triangles.extend(
+                    area.triangles
+                        .iter()
+                        .zip(&area.cumulative_area)
+                        .map(|(&triangle, &cumulative_area)| EmitterTriangle { triangle, cumulative_area }),
+                );
+                EmitterInfo {
+                    colour: area.radiance,
+                    kind: 3,
+                    first,
+                    count: area.triangles.len() as u32,
+                    flags: u32::from(area.double_sided) | (u32::from(area.textured) << 1),
+                    area: area.area(),
+                    ..EmitterInfo::default()
+                }
+            }
+        })
+        .collect();
+    (infos, triangles)
+}
+
+/// Light of the elements.
+pub fn element_light(direct: &[Vec3], indirect: &[Vec3]) -> Vec<ElementLight> {
+    direct
+        .iter()
+        .zip(indirect)
+        .map(|(&direct, &indirect)| ElementLight { direct, indirect, ..ElementLight::default() })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half;
+
+    #[test]
+    fn halves_round_to_the_nearest() {
+        for (value, bits) in [(0.0, 0), (1.0, 0x3C00), (-2.0, 0xC000), (65_504.0, 0x7BFF), (1e9, 0x7BFF)] {
+            assert_eq!(half(value), bits, "{value}");
+        }
+        assert_eq!(half(0.1), 0x2E66);
+        assert_eq!(half(5.960_464_5e-8), 1);
+    }
+}

@@ -1,0 +1,84 @@
+//! What a frame is drawn into: triangle numbers, depth, layers, output.
+
+/// Format of the triangle numbers: number + 1, 0 where there is nothing.
+pub(super) const TRIANGLE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Format of depth, which is near / distance: larger is nearer.
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Bytes of all layers of one pixel: three of three floats.
+const LAYER_BYTES: u64 = 36;
+
+/// Textures and buffers of one size.
+pub(super) struct Targets {
+    /// Width and height in pixels.
+    pub(super) size: [u32; 2],
+    /// Triangle numbers.
+    pub(super) triangles: wgpu::Texture,
+    /// View of them.
+    pub(super) triangles_view: wgpu::TextureView,
+    /// View of the depth.
+    pub(super) depth_view: wgpu::TextureView,
+    /// Display picture.
+    pub(super) output: wgpu::Texture,
+    /// View of it.
+    pub(super) output_view: wgpu::TextureView,
+    /// Layers, one after the other, three floats a pixel.
+    pub(super) layers: wgpu::Buffer,
+}
+
+impl Targets {
+    /// Targets of a size.
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat, size: [u32; 2]) -> Self {
+        use wgpu::TextureUsages as Usage;
+        let texture = |label, format, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | Usage::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let triangles = texture("triangles", TRIANGLE_FORMAT, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
+        let depth = texture("depth", DEPTH_FORMAT, Usage::empty());
+        let output = texture("output", format, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
+        let view = |t: &wgpu::Texture| t.create_view(&Default::default());
+        Self {
+            size,
+            triangles_view: view(&triangles),
+            depth_view: view(&depth),
+            output_view: view(&output),
+            triangles,
+            output,
+            layers: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("layers"),
+                size: LAYER_BYTES * pixels(size),
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+        }
+    }
+
+    /// The wanted size, made to fit the device: at least 1×1, and small enough for the layers' buffer.
+    pub(super) fn fitting(device: &wgpu::Device, wanted: [u32; 2]) -> [u32; 2] {
+        let limits = device.limits();
+        let [mut width, mut height] = wanted.map(|n| n.clamp(1, limits.max_texture_dimension_2d));
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        while LAYER_BYTES * pixels([width, height]) > most {
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+        }
+        [width, height]
+    }
+
+    /// Bytes of the layers.
+    pub(super) fn layer_bytes(&self) -> u64 {
+        LAYER_BYTES * pixels(self.size)
+    }
+}
+
+fn pixels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}

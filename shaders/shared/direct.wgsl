@@ -1,0 +1,226 @@
+// Direct light at a point: twins of core/src/scene/direct.rs, in f32.
+
+struct EmitterInfo {
+    // Intensity, illuminance or radiance, dimmer applied.
+    colour: vec3f,
+    kind: u32,
+    position: vec3f,
+    cos_inner: f32,
+    axis: vec3f,
+    cos_outer: f32,
+    first: u32,
+    count: u32,
+    flags: u32,
+    area: f32,
+}
+
+struct EmitterTriangle {
+    triangle: u32,
+    cumulative_area: f32,
+}
+
+@group(0) @binding(9) var<storage, read> emitters: array<EmitterInfo>;
+@group(0) @binding(10) var<storage, read> emitter_triangles: array<EmitterTriangle>;
+
+const POINT: u32 = 0u;
+const SPOT: u32 = 1u;
+const DIRECTIONAL: u32 = 2u;
+const DOUBLE_SIDED: u32 = 1u;
+const TEXTURED: u32 = 2u;
+const ANALYTIC_TRIANGLES: u32 = 16u;
+const FAR: f32 = 3.0e38;
+
+struct Receiver {
+    position: vec3f,
+    normal: vec3f,
+    origin: vec3f,
+}
+
+// Angle of (x, y) from the x axis for y ≥ 0, to 2e-7: WGSL promises nothing useful of atan2.
+fn angle(y: f32, x: f32) -> f32 {
+    let half_tangent = y / (sqrt(x * x + y * y) + abs(x));
+    let large = half_tangent > 0.41421356;
+    let t = select(half_tangent, (half_tangent - 1.0) / (half_tangent + 1.0), large);
+    let z = t * t;
+    // Cephes, atanf.
+    let series = (((8.05374449538e-2 * z - 1.38776856032e-1) * z + 1.99777106478e-1) * z - 3.33329491539e-1) * z * t + t;
+    let twice = 2.0 * (series + select(0.0, 0.78539816, large));
+    return select(twice, PI - twice, x < 0.0);
+}
+
+// Twin of `direct::polygon_irradiance`; crosses with the edge rather than the far corner, which
+// keeps in f32 what the specification keeps by f64.
+fn polygon_irradiance(position: vec3f, n: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
+    var relative = array<vec3f, 3>(a - position, b - position, c - position);
+    var clipped: array<vec3f, 4>;
+    var count = 0u;
+    for (var i = 0u; i < 3u; i++) {
+        let k = (i + 1u) % 3u;
+        let here = dot(relative[i], n);
+        let there = dot(relative[k], n);
+        if here >= 0.0 {
+            clipped[count] = relative[i];
+            count += 1u;
+        }
+        if (here < 0.0) != (there < 0.0) && count < 4u {
+            clipped[count] = mix(relative[i], relative[k], here / (here - there));
+            count += 1u;
+        }
+    }
+    var sum = 0.0;
+    for (var i = 0u; i < count; i++) {
+        let p = clipped[i];
+        let q = clipped[(i + 1u) % count];
+        let normal = cross(p, q - p);
+        let sine = length(normal);
+        if sine > 1e-30 {
+            sum += angle(sine, dot(p, q)) * dot(normal, n) / sine;
+        }
+    }
+    return abs(0.5 * sum);
+}
+
+fn area_factor(emitter: EmitterInfo, receiver: Receiver) -> f32 {
+    var factor = 0.0;
+    for (var i = emitter.first; i < emitter.first + emitter.count; i++) {
+        let t = 3u * emitter_triangles[i].triangle;
+        let a = corners[t].position;
+        let b = corners[t + 1u].position;
+        let c = corners[t + 2u].position;
+        if dot(cross(b - a, c - a), receiver.position - a) > 0.0 {
+            factor += polygon_irradiance(receiver.position, receiver.normal, a, b, c);
+        } else if (emitter.flags & DOUBLE_SIDED) != 0u {
+            factor += polygon_irradiance(receiver.position, receiver.normal, a, c, b);
+        }
+    }
+    return factor;
+}
+
+struct AreaSample {
+    weight: f32,
+    radiance: vec3f,
+    seen: bool,
+}
+
+fn area_sample(tree_count: u32, emitter: EmitterInfo, receiver: Receiver, j: u32, scramble: u32) -> AreaSample {
+    let random = r2_point(j, scramble);
+    // Twin of `AreaEmitter::point`.
+    let wanted = random.x * emitter.area;
+    var low = 0u;
+    var high = emitter.count;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitter_triangles[emitter.first + middle].cumulative_area <= wanted {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    let i = min(low, emitter.count - 1u);
+    let chosen = emitter_triangles[emitter.first + i];
+    var before = 0.0;
+    if i > 0u {
+        before = emitter_triangles[emitter.first + i - 1u].cumulative_area;
+    }
+    let root = sqrt(clamp((wanted - before) / (chosen.cumulative_area - before), 0.0, 1.0));
+    let u = root * (1.0 - random.y);
+    let v = root * random.y;
+    let w = 1.0 - u - v;
+    let a = corners[3u * chosen.triangle];
+    let b = corners[3u * chosen.triangle + 1u];
+    let c = corners[3u * chosen.triangle + 2u];
+    let position = a.position * w + b.position * u + c.position * v;
+    let normal = normalize_or(cross(b.position - a.position, c.position - a.position), vec3f(0.0, 1.0, 0.0));
+    var radiance = emitter.colour;
+    if (emitter.flags & TEXTURED) != 0u {
+        let uv = vec2f(a.u, a.v) * w + vec2f(b.u, b.v) * u + vec2f(c.u, c.v) * v;
+        radiance *= sample_repeat(materials[triangles[chosen.triangle].material].emission_texture, uv);
+    }
+
+    let to_light = position - receiver.position;
+    let d2 = dot(to_light, to_light);
+    let wi = to_light / sqrt(d2);
+    let cosine = dot(receiver.normal, wi);
+    let facing = -dot(normal, wi);
+    let cosine_light = select(facing, abs(facing), (emitter.flags & DOUBLE_SIDED) != 0u);
+    if !(d2 > 0.0) || cosine <= 0.0 || cosine_light <= 0.0 {
+        return AreaSample(0.0, vec3f(0.0), false);
+    }
+    let end = offset_origin(position, normal * sign(facing));
+    let seen = !occluded(tree_count, receiver.origin, end - receiver.origin, 1.0 - 1e-4);
+    return AreaSample(cosine * cosine_light / d2, radiance, seen);
+}
+
+fn spot_falloff(emitter: EmitterInfo, from_lamp: vec3f) -> f32 {
+    let span = max(emitter.cos_inner - emitter.cos_outer, 1e-3);
+    let t = clamp((dot(emitter.axis, from_lamp) - emitter.cos_outer) / span, 0.0, 1.0);
+    return t * t;
+}
+
+fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: u32, scramble: u32) -> vec3f {
+    let emitter = emitters[index];
+    if all(emitter.colour == vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    if emitter.kind == DIRECTIONAL {
+        let wi = -emitter.axis;
+        let e = emitter.colour * max(dot(receiver.normal, wi), 0.0);
+        if all(e == vec3f(0.0)) || occluded(tree_count, receiver.origin, wi, FAR) {
+            return vec3f(0.0);
+        }
+        return e;
+    }
+    if emitter.kind == POINT || emitter.kind == SPOT {
+        let to_lamp = emitter.position - receiver.position;
+        let d2 = dot(to_lamp, to_lamp);
+        let wi = to_lamp / sqrt(d2);
+        let cosine = dot(receiver.normal, wi);
+        if !(d2 > 0.0) || cosine <= 0.0 {
+            return vec3f(0.0);
+        }
+        var e = emitter.colour * (cosine / d2);
+        if emitter.kind == SPOT {
+            e *= spot_falloff(emitter, -wi);
+        }
+        if all(e == vec3f(0.0)) || occluded(tree_count, receiver.origin, emitter.position - receiver.origin, 1.0 - 1e-4) {
+            return vec3f(0.0);
+        }
+        return e;
+    }
+    let analytic = (emitter.flags & TEXTURED) == 0u && emitter.count <= ANALYTIC_TRIANGLES;
+    var factor = 0.0;
+    if analytic {
+        factor = area_factor(emitter, receiver);
+        if factor == 0.0 {
+            return vec3f(0.0);
+        }
+    }
+    let rays = max(samples, 1u);
+    var total = 0.0;
+    var visible = 0.0;
+    var sum = vec3f(0.0);
+    for (var j = 0u; j < rays; j++) {
+        let drawn = area_sample(tree_count, emitter, receiver, j, scramble);
+        total += drawn.weight;
+        if drawn.seen {
+            visible += drawn.weight;
+            sum += drawn.radiance * drawn.weight;
+        }
+    }
+    if analytic {
+        if total > 0.0 {
+            return emitter.colour * factor * (visible / total);
+        }
+        return vec3f(0.0);
+    }
+    return sum * (emitter.area / f32(rays));
+}
+
+// Twin of `direct::total_irradiance`.
+fn total_irradiance(frame: Frame, receiver: Receiver, scramble: u32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < frame.emitter_count; i++) {
+        sum += emitter_irradiance(frame.tree_count, i, receiver, frame.samples, scramble);
+    }
+    return sum;
+}

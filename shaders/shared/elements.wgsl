@@ -1,0 +1,86 @@
+// Irradiance stored on surfaces: twins of core/src/radiosity/lookup.rs and superposition/moved.rs.
+
+struct SideMap {
+    first: u32,
+    size: u32,
+    corners: array<u32, 6>,
+}
+
+struct ElementLight {
+    direct: vec3f,
+    padding_0: u32,
+    indirect: vec3f,
+    padding_1: u32,
+}
+
+struct StoredLight {
+    direct: vec3f,
+    indirect: vec3f,
+}
+
+@group(0) @binding(11) var<storage, read> sides: array<SideMap>;
+@group(0) @binding(12) var<storage, read> element_light: array<ElementLight>;
+// Twelve a triangle: direct, then indirect; of each the front, then the back; of each three corners.
+@group(0) @binding(13) var<storage, read> moved_light: array<vec4f>;
+
+fn add_element(sum: ptr<function, StoredLight>, element: u32, weight: f32) {
+    if weight != 0.0 {
+        (*sum).direct += element_light[element].direct * weight;
+        (*sum).indirect += element_light[element].indirect * weight;
+    }
+}
+
+// Twin of `lookup::blend` and `ElementBlend::sum`.
+fn stored_on_elements(surface: Surface) -> StoredLight {
+    var sum = StoredLight(vec3f(0.0), vec3f(0.0));
+    let index = 2u * surface.triangle + select(0u, 1u, surface.back);
+    if index >= arrayLength(&sides) {
+        return sum;
+    }
+    let side = sides[index];
+    if side.first == NONE {
+        return sum;
+    }
+    let u = surface.barycentric.x;
+    let v = surface.barycentric.y;
+    let w = 1.0 - u - v;
+    if side.size == 0u {
+        add_element(&sum, side.corners[0], w);
+        add_element(&sum, side.corners[1], u);
+        add_element(&sum, side.corners[2], v);
+        return sum;
+    }
+    let nx = side.size & 0xFFFFu;
+    let ny = side.size >> 16u;
+    let a = vec2f(bitcast<f32>(side.corners[0]), bitcast<f32>(side.corners[1]));
+    let b = vec2f(bitcast<f32>(side.corners[2]), bitcast<f32>(side.corners[3]));
+    let c = vec2f(bitcast<f32>(side.corners[4]), bitcast<f32>(side.corners[5]));
+    let p = clamp(a * w + b * u + c * v, vec2f(0.0), vec2f(f32(nx - 1u), f32(ny - 1u)));
+    let x0 = min(u32(p.x), max(nx, 2u) - 2u);
+    let y0 = min(u32(p.y), max(ny, 2u) - 2u);
+    let x1 = min(x0 + 1u, nx - 1u);
+    let y1 = min(y0 + 1u, ny - 1u);
+    let f = p - vec2f(f32(x0), f32(y0));
+    add_element(&sum, side.first + y0 * nx + x0, (1.0 - f.x) * (1.0 - f.y));
+    add_element(&sum, side.first + y0 * nx + x1, f.x * (1.0 - f.y));
+    add_element(&sum, side.first + y1 * nx + x0, (1.0 - f.x) * f.y);
+    add_element(&sum, side.first + y1 * nx + x1, f.x * f.y);
+    return sum;
+}
+
+fn moved_corners(first: u32, barycentric: vec2f) -> vec3f {
+    return moved_light[first].xyz * (1.0 - barycentric.x - barycentric.y)
+        + moved_light[first + 1u].xyz * barycentric.x
+        + moved_light[first + 2u].xyz * barycentric.y;
+}
+
+// Irradiance from the elements, or from the volume's values at the corners of a moved object.
+fn stored_light(surface: Surface) -> StoredLight {
+    let object = objects[triangles[surface.triangle].object];
+    if object.moved_first == NONE {
+        return stored_on_elements(surface);
+    }
+    let entry = object.moved_first + surface.triangle - object.first_triangle;
+    let first = 12u * entry + select(0u, 3u, surface.back);
+    return StoredLight(moved_corners(first, surface.barycentric), moved_corners(first + 6u, surface.barycentric));
+}
