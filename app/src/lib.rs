@@ -1,6 +1,7 @@
 //! The lumenscope program: its window, its panels and its command line.
 
 pub mod app;
+pub mod cli;
 pub mod command;
 pub mod document;
 pub mod examples;

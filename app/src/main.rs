@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match lumenscope::run_window(std::env::args_os().nth(1).map(Into::into)) {
+    match lumenscope::cli::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("lumenscope: {error:#}");

@@ -33,15 +33,20 @@ pub struct Options {
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
     let display = auto_display(&b);
-    let flip = measure::flip::flip(&composite::display(&a, &display), &composite::display(&b, &display), a.width, a.height)?;
+    let flip = measure::image::flip_displayed(
+        &composite::display(&a, &display),
+        &composite::display(&b, &display),
+        a.width,
+        measure::image::PIXELS_PER_DEGREE,
+    )?;
     let worst = measure::image::worst_pixel(&a, &b)?;
     let report = serde_json::json!({
         "mse": measure::image::mse(&a, &b)?,
         "rel_mse": measure::image::rel_mse(&a, &b)?,
         "smape": measure::image::smape(&a, &b)?,
-        "mean_signed": measure::image::mean_signed(&a, &b)?,
+        "mean_signed": measure::image::mean_signed(&a, &b)?.to_array(),
         "flip": flip.mean,
-        "perceptual": measure::perceptual::difference(&a, &b)?,
+        "perceptual": measure::perceptual::difference(&a, &b, measure::image::PIXELS_PER_DEGREE)?,
         "worst_pixel": { "x": worst.x, "y": worst.y, "difference": worst.difference },
     });
     println!("{}", serde_json::to_string_pretty(&report)?);
@@ -52,8 +57,11 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let false_colour = FalseColour { palette: Default::default(), low: 0.0, high, logarithmic: false };
     let shown = composite::Display { false_colour: Some(false_colour), ..display };
     png::write_png(&out.join("difference.png"), a.width, a.height, &composite::display(&difference, &shown))?;
-    exr::write_layers(&out.join("difference.exr"), &[("", &difference)])?;
-    eprintln!("{}: absolute luminance difference, 0 to {high:.3} cd/m²", out.join("difference.png").display());
+    exr::write_layers(&out.join("difference.exr"), &[("", &difference)], "absolute difference, cd/m2")?;
+    eprintln!(
+        "{}: absolute luminance difference, 0 to {high:.3} cd/m²",
+        out.join("difference.png").display()
+    );
     Ok(())
 }
 

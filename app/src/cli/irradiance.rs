@@ -1,13 +1,20 @@
 //! `irradiance`: illuminance at listed points, by the method of choice.
 
-use super::{Common, solve, table::{self, Column, PointRow}};
+use super::{
+    Common, solve,
+    table::{self, Column, PointRow},
+};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumenscope_core::{
     math::part::Part,
     reference,
-    scene::{accel::Ray, direct::{self, Receiver}, world::World},
+    scene::{
+        accel::Ray,
+        direct::{self, Receiver},
+        world::World,
+    },
     transport::LightTransportSolution,
 };
 use rayon::prelude::*;
@@ -77,7 +84,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let part = Part::from(options.part);
     let columns = match options.method {
-        Method::Reference => reference_columns(&World::new(&loaded.scene), &points, part, options.spp, common.seed)?,
+        Method::Reference => {
+            reference_columns(&World::new(&loaded.scene), &points, part, options.spp, common.seed)?
+        }
         Method::Radiosity => {
             let solution = solve::solve(&loaded, false)?;
             rgb_columns(&radiosity(&solution, &points, part)?)
@@ -85,7 +94,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         Method::Volume => {
             let solution = solve::solve(&loaded, true)?;
             let volume = solution.volume.context("the plan built no volume")?;
-            rgb_columns(&points.iter().map(|p| volume.irradiance(p.position, p.normal, part)).collect::<Vec<_>>())
+            rgb_columns(
+                &points.iter().map(|p| volume.irradiance(p.position, p.normal, part)).collect::<Vec<_>>(),
+            )
         }
     };
     solve::write(&options.out, &table::format_points(&points, &columns))
@@ -96,7 +107,13 @@ fn rgb_columns(values: &[Vec3]) -> Vec<Column> {
     vec![("E_r", channel(0)), ("E_g", channel(1)), ("E_b", channel(2))]
 }
 
-fn reference_columns(world: &World, points: &[PointRow], part: Part, samples: u32, seed: u64) -> anyhow::Result<Vec<Column>> {
+fn reference_columns(
+    world: &World,
+    points: &[PointRow],
+    part: Part,
+    samples: u32,
+    seed: u64,
+) -> anyhow::Result<Vec<Column>> {
     let estimates = solve::watched(|progress| {
         progress.begin("reference");
         let done = std::sync::atomic::AtomicUsize::new(0);
@@ -105,7 +122,13 @@ fn reference_columns(world: &World, points: &[PointRow], part: Part, samples: u3
             .enumerate()
             .map(|(i, p)| {
                 let receiver = Receiver::new(p.position, p.normal);
-                let estimate = reference::irradiance::irradiance(world, &receiver, part, samples, seed.wrapping_add(i as u64));
+                let estimate = reference::irradiance::irradiance(
+                    world,
+                    &receiver,
+                    part,
+                    samples,
+                    seed.wrapping_add(i as u64),
+                );
                 let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
                 progress.report(count as f32 / points.len() as f32).map(|()| estimate)
             })
@@ -120,22 +143,38 @@ fn reference_columns(world: &World, points: &[PointRow], part: Part, samples: u3
 }
 
 /// Direct light at the point itself, indirect light from the element under it, as a picture's pixels do.
-fn radiosity(solution: &LightTransportSolution, points: &[PointRow], part: Part) -> anyhow::Result<Vec<Vec3>> {
+fn radiosity(
+    solution: &LightTransportSolution,
+    points: &[PointRow],
+    part: Part,
+) -> anyhow::Result<Vec<Vec3>> {
     let world = &solution.world;
     let mut values = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
-        let ray = Ray { t_max: 2.0 * ON_SURFACE_M, ..Ray::new(point.position + point.normal * ON_SURFACE_M, -point.normal) };
+        let ray = Ray {
+            t_max: 2.0 * ON_SURFACE_M,
+            ..Ray::new(point.position + point.normal * ON_SURFACE_M, -point.normal)
+        };
         let Some(hit) = world.accel.trace(&ray) else {
-            bail!("point {} at {} lies on no surface (none within {ON_SURFACE_M} m): use --method volume", i + 1, point.position);
+            bail!(
+                "point {} at {} lies on no surface (none within {ON_SURFACE_M} m): use --method volume",
+                i + 1,
+                point.position
+            );
         };
         let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
         let mut value = Vec3::ZERO;
         if part != Part::Indirect {
-            let receiver = Receiver { position: point.position, normal: point.normal, geometric_normal: surface.geometric_normal };
+            let receiver = Receiver {
+                position: point.position,
+                normal: point.normal,
+                geometric_normal: surface.geometric_normal,
+            };
             value += direct::total_irradiance(world, &receiver, 64, i as u32);
         }
         if part != Part::Direct {
-            value += solution.radiosity.irradiance(hit.triangle, hit.barycentric, surface.back, Part::Indirect);
+            value +=
+                solution.radiosity.irradiance(hit.triangle, hit.barycentric, surface.back, Part::Indirect);
         }
         values.push(value);
     }

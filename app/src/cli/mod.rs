@@ -7,6 +7,7 @@ mod probe;
 mod reference;
 mod render;
 mod replay;
+mod report;
 mod screenshots;
 mod solve;
 mod table;
@@ -48,22 +49,30 @@ enum Job {
     #[command(after_help = "Example: lumenscope render scenes/office/office.ron --out out --size 1280x720")]
     Render(render::Options),
     /// Irradiance at points listed in a CSV file.
-    #[command(after_help = "Example: lumenscope irradiance scenes/cornell/cornell.ron --points in.csv --method radiosity --out out.csv")]
+    #[command(
+        after_help = "Example: lumenscope irradiance scenes/cornell/cornell.ron --points in.csv --method radiosity --out out.csv"
+    )]
     Irradiance(irradiance::Options),
     /// Radiance and irradiance spheres at one point.
-    #[command(after_help = "Example: lumenscope probe scenes/office/office.ron --at 1.0,1.2,0.5 --out out --bins 1682")]
+    #[command(
+        after_help = "Example: lumenscope probe scenes/office/office.ron --at 1.0,1.2,0.5 --out out --bins 1682"
+    )]
     Probe(probe::Options),
     /// Build and save the irradiance volume.
     #[command(after_help = "Example: lumenscope volume scenes/office/office.ron --out office.volume")]
     Volume(volume::Options),
     /// Path-traced picture with the variance of every pixel.
-    #[command(after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256")]
+    #[command(
+        after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256"
+    )]
     Reference(reference::Options),
     /// Difference of two EXR pictures in numbers and images.
     #[command(after_help = "Example: lumenscope compare out/layers.exr ref.exr --out difference")]
     Compare(compare::Options),
     /// Replay a recorded drag, timing every step.
-    #[command(after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out")]
+    #[command(
+        after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out"
+    )]
     Replay(replay::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
@@ -82,7 +91,10 @@ enum Job {
 /// One line naming the file and the cause.
 pub fn run() -> anyhow::Result<()> {
     let cli = Cli::parse();
-    rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global().context("cannot start threads")?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(cli.common.threads)
+        .build_global()
+        .context("cannot start threads")?;
     let common = &cli.common;
     match cli.command {
         None => headless::window_or_files(cli.file, common),
@@ -109,7 +121,8 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 
 /// `X,Y,Z` in metres.
 fn parse_point(text: &str) -> Result<glam::Vec3, String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).filter(|n: &f32| n.is_finite()).collect();
+    let numbers: Vec<f32> =
+        text.split(',').filter_map(|n| n.trim().parse().ok()).filter(|n: &f32| n.is_finite()).collect();
     match numbers[..] {
         [x, y, z] if text.split(',').count() == 3 => Ok(glam::Vec3::new(x, y, z)),
         _ => Err(format!("`{text}` is not X,Y,Z in metres")),

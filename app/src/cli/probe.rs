@@ -1,6 +1,10 @@
 //! `probe`: the spheres at one point.
 
-use super::{Common, parse_point, render::{auto_display, write_png}, solve};
+use super::{
+    Common, parse_point,
+    render::{auto_display, write_png},
+    solve,
+};
 use anyhow::bail;
 use clap::Args;
 use glam::Vec3;
@@ -42,7 +46,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
     let loaded = solve::load(&options.scene, common)?;
     let solution = solve::solve(&loaded, false)?;
-    let probe = Probe::at(&solution.world, &solution.radiosity, options.at, n, 4, common.seed);
+    let probe = Probe::at(&solution.world, &*solution.radiosity, options.at, n, 4, common.seed)?;
     let bins = DirectionBins::new(n);
     let radiance = sphere(&probe.radiance, bins);
     let irradiance = sphere(&probe.irradiance(Part::All), bins);
@@ -50,12 +54,27 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     write_png(&options.out.join("irradiance.png"), &irradiance, &auto_display(&irradiance))?;
     let [upper, lower] = unfolded(&probe.radiance, n);
     let [upper_e, lower_e] = unfolded(&probe.irradiance(Part::All), n);
-    let images = [("radiance_upper", &upper), ("radiance_lower", &lower), ("irradiance_upper", &upper_e), ("irradiance_lower", &lower_e)];
-    exr::write_layers(&options.out.join("probe.exr"), &images)?;
-    let axes = [("+x", Vec3::X), ("-x", Vec3::NEG_X), ("+y", Vec3::Y), ("-y", Vec3::NEG_Y), ("+z", Vec3::Z), ("-z", Vec3::NEG_Z)];
+    let images = [
+        ("radiance_upper", &upper),
+        ("radiance_lower", &lower),
+        ("irradiance_upper", &upper_e),
+        ("irradiance_lower", &lower_e),
+    ];
+    let note = format!("{} bins at {} m: radiance in cd/m2, irradiance in lx", options.bins, options.at);
+    exr::write_layers(&options.out.join("probe.exr"), &images, &note)?;
+    let axes = [
+        ("+x", Vec3::X),
+        ("-x", Vec3::NEG_X),
+        ("+y", Vec3::Y),
+        ("-y", Vec3::NEG_Y),
+        ("+z", Vec3::Z),
+        ("-z", Vec3::NEG_Z),
+    ];
     let at = |part: Part| {
         let values = probe.irradiance(part);
-        axes.iter().map(|(name, d)| ((*name).to_owned(), serde_json::json!(luminance(values[bins.bin(*d)])))).collect::<serde_json::Map<_, _>>()
+        axes.iter()
+            .map(|(name, d)| ((*name).to_owned(), serde_json::json!(luminance(values[bins.bin(*d)]))))
+            .collect::<serde_json::Map<_, _>>()
     };
     let report = serde_json::json!({
         "at_m": options.at.to_array(), "bins": options.bins,
@@ -78,6 +97,10 @@ fn sphere(values: &[Vec3], bins: DirectionBins) -> LinearImage {
 
 /// Both hemispheres as n×n images of the equal-area square.
 fn unfolded(values: &[Vec3], n: u32) -> [LinearImage; 2] {
-    let side = |offset: u32| LinearImage { width: n, height: n, pixels: values[offset as usize..(offset + n * n) as usize].to_vec() };
+    let side = |offset: u32| LinearImage {
+        width: n,
+        height: n,
+        pixels: values[offset as usize..(offset + n * n) as usize].to_vec(),
+    };
     [side(0), side(n * n)]
 }

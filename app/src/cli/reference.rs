@@ -2,7 +2,9 @@
 
 use super::{Common, parse_size, solve};
 use clap::Args;
-use lumenscope_core::{io::exr, reference::picture::ReferencePicture, scene::world::World, superposition::layers::Layer};
+use lumenscope_core::{
+    io::exr, reference::picture::ReferencePicture, scene::world::World, superposition::layers::Layer,
+};
 use std::{path::PathBuf, sync::Arc};
 
 /// Options of `reference`.
@@ -28,7 +30,8 @@ pub struct Options {
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let world = Arc::new(World::new(&loaded.scene));
-    let mut picture = ReferencePicture::new(world, loaded.scene.camera, options.size[0], options.size[1], common.seed);
+    let mut picture =
+        ReferencePicture::new(world, loaded.scene.camera, options.size[0], options.size[1], common.seed);
     solve::watched(|progress| {
         progress.begin("reference");
         picture.add_samples(options.spp, progress)
@@ -36,7 +39,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let (mean, variance, layers) = (picture.mean(), picture.variance_of_mean(), picture.layers());
     let mut named = vec![("", &mean), ("variance", &variance)];
     named.extend(Layer::ALL.iter().zip(&layers).map(|(l, image)| (l.name(), image)));
-    exr::write_layers(&options.out, &named)?;
+    let note = format!("path traced, {} paths a pixel, seed {}, cd/m2", options.spp, common.seed);
+    exr::write_layers(&options.out, &named, &note)?;
     eprintln!("{}: {} paths a pixel", options.out.display(), options.spp);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `render`: picture, layers, report.
 
-use super::{Common, parse_size, solve};
+use super::{Common, parse_size, report, solve};
 use clap::{Args, ValueEnum};
 use lumenscope_core::{
     gpu,
@@ -80,13 +80,18 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "triangles": solution.world.geometry.len(),
         "emitters": solution.world.emitters.len(),
         "elements": solution.radiosity.direct.len(),
-        "radiosity": solution.radiosity.report(),
-        "volume": solution.volume.as_ref().map(|v| v.report()),
+        "radiosity": report::radiosity(&solution.radiosity),
+        "volume": solution.volume.as_ref().map(|v| report::volume(v)),
         "peak_bytes": peak_bytes(),
         "ev100": display.ev100,
     });
     solve::write(&options.out.join("report.json"), &serde_json::to_string_pretty(&report)?)?;
-    eprintln!("{}: {}x{} by {backend} in {total_seconds:.2} s", options.out.display(), options.size[0], options.size[1]);
+    eprintln!(
+        "{}: {}x{} by {backend} in {total_seconds:.2} s",
+        options.out.display(),
+        options.size[0],
+        options.size[1]
+    );
     Ok(())
 }
 
@@ -94,9 +99,22 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// When a GPU is asked for and none answers.
-pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], frames: u32, backend: Backend, seed: u64) -> anyhow::Result<(Layers, String)> {
+pub fn picture(
+    solution: &LightTransportSolution,
+    [width, height]: [u32; 2],
+    frames: u32,
+    backend: Backend,
+    seed: u64,
+) -> anyhow::Result<(Layers, String)> {
     if backend != Backend::Cpu {
-        match gpu::offline::render(solution, &solution.scene.camera, [width, height], frames, seed, backend == Backend::Gpu) {
+        match gpu::offline::render(
+            solution,
+            &solution.scene.camera,
+            [width, height],
+            frames,
+            seed,
+            backend == Backend::Gpu,
+        ) {
             Ok(done) => return Ok(done),
             Err(error) if backend == Backend::Gpu => return Err(error.into()),
             Err(_) => {}
@@ -106,7 +124,8 @@ pub fn picture(solution: &LightTransportSolution, [width, height]: [u32; 2], fra
         progress.begin("picture");
         let mut mean = Accumulator::new();
         for frame in 0..frames.max(1) {
-            let settings = PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
+            let settings =
+                PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
             mean.add(&render(solution, &solution.scene.camera, width, height, &settings).1);
             let _ = progress.report((frame + 1) as f32 / frames.max(1) as f32);
         }
@@ -138,7 +157,7 @@ pub fn write_layers(path: &std::path::Path, layers: &Layers) -> anyhow::Result<(
     let sum = layers.sum([1.0; 3]);
     let mut named: Vec<(&str, &LinearImage)> = vec![("", &sum)];
     named.extend(Layer::ALL.map(|l| (l.name(), layers.get(l))));
-    Ok(exr::write_layers(path, &named)?)
+    Ok(exr::write_layers(path, &named, "cd/m2, linear Rec. 709")?)
 }
 
 /// Largest resident size of this process so far, bytes; `None` where the system does not tell.

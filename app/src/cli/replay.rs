@@ -5,7 +5,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use lumenscope_core::{
-    math::{colour::luminance, part::Part, progress::Progress, random::Rng},
+    math::{part::Part, progress::Progress, random::Rng},
+    measure::irradiance::relative_errors,
     scene::{Scene, Target},
     transport::{LightTransportSolution, live::LiveTransport},
 };
@@ -56,7 +57,8 @@ const POINTS: usize = 1_000;
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
-    let text = std::fs::read_to_string(&options.script).with_context(|| format!("cannot read {}", options.script.display()))?;
+    let text = std::fs::read_to_string(&options.script)
+        .with_context(|| format!("cannot read {}", options.script.display()))?;
     let script: Script = ron::Options::default()
         .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
         .from_str(&text)
@@ -66,7 +68,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let mut live = solve::live(&loaded, false)?;
     let points = surface_points(live.current(), common.seed);
 
-    let mut csv = String::from("step,first_seconds,first_error_median,first_error_p95,settled_seconds,settled_error_median\n");
+    let mut csv = String::from(
+        "step,first_seconds,first_error_median,first_error_p95,settled_seconds,settled_error_median\n",
+    );
     let mut rows = Vec::new();
     for (i, step) in script.steps.iter().enumerate() {
         let scene = Arc::new(placed(&loaded.scene, target, step));
@@ -78,10 +82,17 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let settled = live.current().clone();
         let fresh = LiveTransport::solve(scene, loaded.plan.solve.clone(), &Progress::silent(), &mut |_| {})?;
         let truth = illuminance(fresh.current(), &points);
-        let (first_median, first_p95) = error(&illuminance(&first, &points), &truth);
-        let (settled_median, _) = error(&illuminance(&settled, &points), &truth);
-        csv += &format!("{i},{first_seconds:.4},{first_median:.5},{first_p95:.5},{settled_seconds:.4},{settled_median:.5}\n");
-        eprintln!("step {i}: first update {:.0} ms, {:.2} % off; settled {:.2} s", first_seconds * 1e3, first_median * 100.0, settled_seconds);
+        let (first_median, first_p95) = error(&illuminance(&first, &points), &truth)?;
+        let (settled_median, _) = error(&illuminance(&settled, &points), &truth)?;
+        csv += &format!(
+            "{i},{first_seconds:.4},{first_median:.5},{first_p95:.5},{settled_seconds:.4},{settled_median:.5}\n"
+        );
+        eprintln!(
+            "step {i}: first update {:.0} ms, {:.2} % off; settled {:.2} s",
+            first_seconds * 1e3,
+            first_median * 100.0,
+            settled_seconds
+        );
         rows.push(serde_json::json!({
             "first_seconds": first_seconds, "first_error_median": first_median, "first_error_p95": first_p95,
             "settled_seconds": settled_seconds, "settled_error_median": settled_median,
@@ -139,12 +150,12 @@ fn surface_points(solution: &LightTransportSolution, seed: u64) -> Vec<(u32, Vec
         .collect()
 }
 
-fn illuminance(solution: &LightTransportSolution, points: &[(u32, Vec2)]) -> Vec<f32> {
-    points.iter().map(|&(t, b)| luminance(solution.radiosity.irradiance(t, b, false, Part::All))).collect()
+fn illuminance(solution: &LightTransportSolution, points: &[(u32, Vec2)]) -> Vec<Vec3> {
+    points.iter().map(|&(t, b)| solution.radiosity.irradiance(t, b, false, Part::All)).collect()
 }
 
 /// Median and 95th percentile of |E − E_ref| / max(E_ref, 5 % of the mean).
-fn error(values: &[f32], truth: &[f32]) -> (f32, f32) {
-    let statistics = lumenscope_core::measure::irradiance::relative_error(values, truth);
-    (statistics.median, statistics.percentile_95)
+fn error(values: &[Vec3], truth: &[Vec3]) -> anyhow::Result<(f64, f64)> {
+    let statistics = relative_errors(values, truth)?;
+    Ok((statistics.median, statistics.percentile_95))
 }

@@ -1,6 +1,12 @@
 //! `screenshots`: every picture of the tour, made by the program.
 
-use super::{Common, render::{self, Backend, auto_display, write_png}, solve};
+use crate::examples::{self, Example};
+
+use super::{
+    Common,
+    render::{self, Backend, auto_display, write_png},
+    solve,
+};
 use clap::Args;
 use lumenscope_core::{
     inspection::InspectionScene,
@@ -34,22 +40,27 @@ const SIZE: [u32; 2] = [960, 540];
 /// # Errors
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
-    for (name, path) in [("office", crate::examples::office()?), ("cornell", crate::examples::cornell()?)] {
-        let folder = options.out.join(name);
+    for example in Example::ALL {
+        let path = examples::resolve(Path::new(example.key()));
+        let folder = options.out.join(path.file_stem().unwrap_or_default());
         solve::output_folder(&folder)?;
         let loaded = solve::load(&path, common)?;
         let solution = solve::solve(&loaded, true)?;
         let (layers, _) = render::picture(&solution, SIZE, 16, Backend::Cpu, common.seed)?;
         write_pictures(&solution, &layers, &folder)?;
     }
-    crate::tour::write(&options.out.join("program"))
+    Ok(())
 }
 
 /// The picture, every layer and every view of a solution, as PNG.
 ///
 /// # Errors
 /// One line naming the file and the cause.
-pub fn write_pictures(solution: &LightTransportSolution, layers: &Layers, folder: &Path) -> anyhow::Result<()> {
+pub fn write_pictures(
+    solution: &LightTransportSolution,
+    layers: &Layers,
+    folder: &Path,
+) -> anyhow::Result<()> {
     let sum = layers.sum([1.0; 3]);
     let display = auto_display(&sum);
     write_png(&folder.join("picture.png"), &sum, &display)?;
@@ -61,7 +72,7 @@ pub fn write_pictures(solution: &LightTransportSolution, layers: &Layers, folder
     let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
     let (buffer, _) = pass::render(solution, camera, width, height, &settings);
     let look = camera.target - camera.eye;
-    let probe = Probe::at(&solution.world, &solution.radiosity, camera.eye + look * 0.6, 17, 1, 1);
+    let probe = Probe::at(&solution.world, &*solution.radiosity, camera.eye + look * 0.6, 17, 1, 1)?;
     let input = ViewInput { solution, probe: Some(&probe), volume: &VolumeView::default() };
     let mut legends = serde_json::Map::new();
     for view in VIEWS {

@@ -11,7 +11,10 @@ use lumenscope_core::{
 use std::{
     io::{IsTerminal, Write},
     path::Path,
-    sync::{Arc, atomic::{AtomicBool, Ordering}},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Duration,
 };
 
@@ -51,9 +54,13 @@ pub fn solve(loaded: &Loaded, with_volume: bool) -> anyhow::Result<LightTranspor
 pub fn live(loaded: &Loaded, with_volume: bool) -> anyhow::Result<LiveTransport> {
     let mut settings = loaded.plan.solve.clone();
     if with_volume {
-        settings.volume.get_or_insert_with(|| lumenscope_core::irradiance_volume::VolumeSettings { seed: settings.radiosity.seed, ..Default::default() });
+        settings.volume.get_or_insert_with(|| lumenscope_core::irradiance_volume::VolumeSettings {
+            seed: settings.radiosity.seed,
+            ..Default::default()
+        });
     }
-    watched(|progress| LiveTransport::solve(loaded.scene.clone(), settings, progress, &mut |_| {})).with_context(|| loaded.scene.name.clone())
+    watched(|progress| LiveTransport::solve(loaded.scene.clone(), settings, progress, &mut |_| {}))
+        .with_context(|| loaded.scene.name.clone())
 }
 
 /// Runs `work` and shows its progress on stderr.
@@ -87,23 +94,23 @@ fn show(progress: &Progress, done: &AtomicBool) {
     }
 }
 
-/// The `check` subcommand: prints what was found; an error when any of it is one.
+/// The `check` subcommand: prints what was found; an error when any of it will likely make light wrong.
 ///
 /// # Errors
-/// When the scene cannot be loaded or a finding is an error.
+/// When the scene cannot be loaded or a finding is a warning.
 pub fn check(path: &Path) -> anyhow::Result<()> {
     let scene = import::load(path)?;
     for warning in &scene.warnings {
-        println!("warning: {warning}");
+        println!("loading: {warning}");
     }
     let findings = lumenscope_core::scene::check::check(&scene);
     for finding in &findings {
         println!("{finding}");
     }
-    let errors = findings.iter().filter(|f| f.severity == Severity::Error).count();
-    println!("{}: {} triangles, {} findings, {errors} errors", path.display(), scene.triangle_count(), findings.len());
-    if errors > 0 {
-        bail!("{}: {errors} findings would make light wrong", path.display());
+    let warnings = findings.iter().filter(|f| f.severity == Severity::Warning).count();
+    println!("{}: {} triangles, {} findings, {warnings} warnings", path.display(), scene.triangle_count(), findings.len());
+    if warnings > 0 {
+        bail!("{}: {warnings} findings will likely make light wrong", path.display());
     }
     Ok(())
 }

@@ -32,7 +32,11 @@ pub fn read_points(path: &Path) -> anyhow::Result<Vec<PointRow>> {
         };
         let (position, normal) = (Vec3::new(x, y, z), Vec3::new(nx, ny, nz).normalize_or_zero());
         if !position.is_finite() || normal == Vec3::ZERO {
-            bail!("{}: line {}: the position must be finite and the normal not zero", path.display(), index + 1);
+            bail!(
+                "{}: line {}: the position must be finite and the normal not zero",
+                path.display(),
+                index + 1
+            );
         }
         rows.push(PointRow { position, normal });
     }

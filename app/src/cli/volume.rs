@@ -1,6 +1,6 @@
 //! `volume`: builds and saves the irradiance volume.
 
-use super::{Common, solve};
+use super::{Common, report, solve};
 use anyhow::Context;
 use clap::Args;
 use std::path::PathBuf;
@@ -24,8 +24,16 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let solution = solve::solve(&loaded, true)?;
     let volume = solution.volume.context("the plan built no volume")?;
     volume.save(&options.out)?;
-    let seconds = solution.provenance.stage_seconds.iter().find(|(name, _)| name == "irradiance volume").map_or(0.0, |s| s.1);
-    let report = volume.report();
-    println!("{}", serde_json::to_string_pretty(&serde_json::json!({ "build_seconds": seconds, "volume": report }))?);
+    let seconds = solution
+        .provenance
+        .stage_seconds
+        .iter()
+        .find(|(name, _)| name == "irradiance volume")
+        .map_or(0.0, |s| s.1);
+    let report = report::volume(&volume);
+    println!(
+        "{}",
+        serde_json::to_string_pretty(&serde_json::json!({ "build_seconds": seconds, "volume": report }))?
+    );
     Ok(())
 }

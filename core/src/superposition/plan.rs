@@ -59,15 +59,18 @@ impl Plan {
         let movable = scene.objects.iter().filter(|o| o.movable).count();
 
         let mut radiosity = RadiositySettings { seed, ..RadiositySettings::default() };
-        radiosity.gather_rays = over.gather_rays.unwrap_or((radiosity.gather_rays as f32 * effort).clamp(16.0, 4096.0) as u32);
-        radiosity.shadow_rays = over.shadow_rays.unwrap_or((radiosity.shadow_rays as f32 * effort).clamp(4.0, 256.0) as u32);
+        radiosity.gather_rays =
+            over.gather_rays.unwrap_or((radiosity.gather_rays as f32 * effort).clamp(16.0, 4096.0) as u32);
+        radiosity.shadow_rays =
+            over.shadow_rays.unwrap_or((radiosity.shadow_rays as f32 * effort).clamp(4.0, 256.0) as u32);
         radiosity.element_spacing_m = over.element_spacing_m;
         if !reflects {
             radiosity.gather_rays = 1;
         }
         let wants_volume = over.volume.unwrap_or(movable > 0);
         let volume = wants_volume.then(|| {
-            let mut settings = VolumeSettings { seed, samples: over.volume_samples, ..VolumeSettings::default() };
+            let mut settings =
+                VolumeSettings { seed, samples: over.volume_samples, ..VolumeSettings::default() };
             settings.second_level = over.volume_second_level.unwrap_or(settings.second_level);
             settings.bins_n = over.volume_bins_n.unwrap_or(settings.bins_n);
             settings
@@ -76,17 +79,30 @@ impl Plan {
 
         let elements = 20_000.0;
         let lines = vec![
-            line("emitted", !world.emitters.is_empty(), String::new(), format!("{} emitters, {area_emitters} of them surfaces", world.emitters.len()), None, 0.0),
+            line(
+                "emitted",
+                !world.emitters.is_empty(),
+                String::new(),
+                format!("{} emitters, {area_emitters} of them surfaces", world.emitters.len()),
+                None,
+                0.0,
+            ),
             line(
                 "direct",
                 !world.emitters.is_empty(),
                 format!("{direct_samples} shadow rays an area emitter and pixel"),
-                if area_emitters == 0 { "no area emitters: one ray a lamp is exact".into() } else { "area emitters cast soft shadows".into() },
+                if area_emitters == 0 {
+                    "no area emitters: one ray a lamp is exact".into()
+                } else {
+                    "area emitters cast soft shadows".into()
+                },
                 (area_emitters > 0).then_some(0.5 / (direct_samples as f32).sqrt() * 0.1),
                 0.0,
             ),
             PlanLine {
-                overridden: over.gather_rays.is_some() || over.element_spacing_m.is_some() || over.shadow_rays.is_some(),
+                overridden: over.gather_rays.is_some()
+                    || over.element_spacing_m.is_some()
+                    || over.shadow_rays.is_some(),
                 ..line(
                     "radiosity",
                     reflects,
@@ -95,24 +111,38 @@ impl Plan {
                         radiosity.gather_rays,
                         radiosity.element_spacing_m.map_or("1/80 of the scene".into(), |s| format!("{s} m"))
                     ),
-                    if reflects { "surfaces reflect diffusely".into() } else { "nothing reflects: no indirect light".into() },
+                    if reflects {
+                        "surfaces reflect diffusely".into()
+                    } else {
+                        "nothing reflects: no indirect light".into()
+                    },
                     reflects.then_some(tolerance),
-                    if reflects { elements * f64::from(radiosity.gather_rays) / RAYS_PER_SECOND } else { 0.0 },
+                    if reflects {
+                        elements * f64::from(radiosity.gather_rays) / RAYS_PER_SECOND
+                    } else {
+                        0.0
+                    },
                 )
             },
             PlanLine {
-                overridden: over.volume.is_some() || over.volume_samples.is_some() || over.volume_bins_n.is_some(),
+                overridden: over.volume.is_some()
+                    || over.volume_samples.is_some()
+                    || over.volume_bins_n.is_some(),
                 ..line(
                     "irradiance volume",
                     wants_volume,
-                    volume.as_ref().map_or(String::new(), |v| format!("{} bins a sample, second level {}³", 2 * v.bins_n * v.bins_n, v.second_level)),
+                    volume.as_ref().map_or(String::new(), |v| {
+                        format!("{} bins a sample, second level {}³", 2 * v.bins_n * v.bins_n, v.second_level)
+                    }),
                     match (over.volume, movable) {
                         (Some(_), _) => "asked for".into(),
                         (None, 0) => "nothing can be moved: not built".into(),
                         (None, n) => format!("{n} movable objects are lit from it"),
                     },
                     wants_volume.then_some(1.5 * tolerance),
-                    volume.as_ref().map_or(0.0, |v| 2_287.0 * f64::from(2 * v.bins_n * v.bins_n) / RAYS_PER_SECOND),
+                    volume
+                        .as_ref()
+                        .map_or(0.0, |v| 2_287.0 * f64::from(2 * v.bins_n * v.bins_n) / RAYS_PER_SECOND),
                 )
             },
         ];
@@ -120,6 +150,21 @@ impl Plan {
     }
 }
 
-fn line(component: &str, used: bool, settings: String, reason: String, expected_error: Option<f32>, expected_seconds: f64) -> PlanLine {
-    PlanLine { component: component.into(), used, settings, reason, expected_error, expected_seconds, overridden: false }
+fn line(
+    component: &str,
+    used: bool,
+    settings: String,
+    reason: String,
+    expected_error: Option<f32>,
+    expected_seconds: f64,
+) -> PlanLine {
+    PlanLine {
+        component: component.into(),
+        used,
+        settings,
+        reason,
+        expected_error,
+        expected_seconds,
+        overridden: false,
+    }
 }

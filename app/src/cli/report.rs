@@ -1,0 +1,28 @@
+//! Counts and figures of a solution as JSON.
+
+use lumenscope_core::{irradiance_volume::IrradianceVolume, math::part::Part, radiosity::RadiositySolution};
+use serde_json::{Value, json};
+
+/// Elements, sweeps, energy and bytes of a radiosity solution.
+pub fn radiosity(solution: &RadiositySolution) -> Value {
+    json!({
+        "elements": solution.elements().len(),
+        "gather_rays": solution.settings().gather_rays,
+        "convergence": solution.convergence(),
+        "energy_lm": solution.energy(),
+        "bytes": solution.bytes(),
+    })
+}
+
+/// Samples, bins and bytes of a volume.
+pub fn volume(volume: &IrradianceVolume) -> Value {
+    let samples = volume.samples();
+    json!({
+        "samples": samples.len(),
+        "first_level_samples": samples.iter().filter(|s| s.level == 1).count(),
+        "valid_samples": samples.iter().filter(|s| s.valid).count(),
+        "bins": volume.bins().len(),
+        "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),
+        "bytes": volume.bytes(),
+    })
+}
