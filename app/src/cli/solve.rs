@@ -108,7 +108,12 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
         println!("{finding}");
     }
     let warnings = findings.iter().filter(|f| f.severity == Severity::Warning).count();
-    println!("{}: {} triangles, {} findings, {warnings} warnings", path.display(), scene.triangle_count(), findings.len());
+    println!(
+        "{}: {} triangles, {} findings, {warnings} warnings",
+        path.display(),
+        scene.triangle_count(),
+        findings.len()
+    );
     if warnings > 0 {
         bail!("{}: {warnings} findings will likely make light wrong", path.display());
     }
