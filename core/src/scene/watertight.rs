@@ -6,14 +6,14 @@
 //! own test is Möller and Trumbore's with a sign-bit mask that rejects −0, so rays along the diagonal
 //! of an axis-aligned wall pass through it.
 
-use glam::{Vec3, Vec3A};
+use glam::{Mat3A, Vec3, Vec3A};
 use obvhs::{ray::Ray, triangle::Triangle};
 
 /// What a ray's test against any triangle needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shear {
-    axes: [usize; 3],
-    shear: Vec3,
+    /// To the frame in which the ray starts at the origin and runs along +z with t = z.
+    ray_from_world: Mat3A,
     origin: Vec3A,
 }
 
@@ -21,19 +21,23 @@ impl Shear {
     /// Prepares a ray with a finite direction that is not zero.
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
         let z = direction.abs().max_position();
+        let inverse = 1.0 / direction[z];
+        // The order of x and y is kept when z is negative: both windings are accepted.
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        // The order is kept when z is negative: both windings are accepted.
-        let shear = Vec3::new(direction[x] / direction[z], direction[y] / direction[z], 1.0 / direction[z]);
-        Self { axes: [x, y, z], shear, origin: origin.into() }
+        let mut columns = [Vec3A::ZERO; 3];
+        columns[x] = Vec3A::X;
+        columns[y] = Vec3A::Y;
+        columns[z] = Vec3A::new(-direction[x] * inverse, -direction[y] * inverse, inverse);
+        let [x, y, z] = columns;
+        Self { ray_from_world: Mat3A::from_cols(x, y, z), origin: origin.into() }
     }
 
     /// Parameter t of the hit in [t_min, t_max]; infinite for a miss.
     #[inline(always)]
     pub(super) fn intersect(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> f32 {
-        let [x, y, z] = self.axes;
-        let [a, b, c] = [triangle.v0, triangle.v1, triangle.v2].map(|v| v - self.origin);
-        let sheared = |p: Vec3A| (p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z]);
-        let ((ax, ay), (bx, by), (cx, cy)) = (sheared(a), sheared(b), sheared(c));
+        let [a, b, c] =
+            [triangle.v0, triangle.v1, triangle.v2].map(|v| self.ray_from_world * (v - self.origin));
+        let ((ax, ay), (bx, by), (cx, cy)) = ((a.x, a.y), (b.x, b.y), (c.x, c.y));
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
@@ -49,7 +53,7 @@ impl Shear {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return f32::INFINITY;
         }
-        let t = (u * a[z] + v * b[z] + w * c[z]) * self.shear.z / (u + v + w);
+        let t = (u * a.z + v * b.z + w * c.z) / (u + v + w);
         // NaN, from a triangle seen edge-on, fails the comparison.
         if t >= t_min && t <= t_max { t } else { f32::INFINITY }
     }
