@@ -33,8 +33,7 @@ const KNOWN_EXTENSIONS: [&str; 6] = [
 pub fn read(path: &Path) -> Result<Model, SceneError> {
     let bytes = super::read_bytes(path)?;
     let malformed = |cause: String| SceneError::malformed(path, cause);
-    let parsed = ::gltf::Gltf::from_slice(&bytes).map_err(|e| malformed(describe(&e)))?;
-    let (document, blob) = (parsed.document, parsed.blob);
+    let (document, blob) = parse(&bytes).map_err(malformed)?;
     let buffers = read_buffers(path, &document, blob).map_err(malformed)?;
     let mut reader = Reader {
         document: &document,
@@ -48,6 +47,22 @@ pub fn read(path: &Path) -> Result<Model, SceneError> {
     reader.uv_sources = materials;
     reader.read_nodes().map_err(malformed)?;
     Ok(reader.model)
+}
+
+/// Parses and validates. Positions are looked up first: gltf-json 1.4.1 panics while it validates a
+/// primitive whose positions name no accessor.
+fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), String> {
+    let parsed = ::gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| describe(&e))?;
+    let json = parsed.document.into_json();
+    let positions = ::gltf::json::validation::Checked::Valid(Semantic::Positions);
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    for index in primitives.filter_map(|primitive| primitive.attributes.get(&positions)) {
+        if index.value() >= json.accessors.len() {
+            return Err(format!("invalid glTF: accessor {} is missing", index.value()));
+        }
+    }
+    let document = Document::from_json(json).map_err(|e| describe(&e))?;
+    Ok((document, parsed.blob))
 }
 
 /// The bytes a URI names: a data URI, or a file beside `path`.

@@ -19,19 +19,20 @@ use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 pub fn read(path: &Path) -> Result<Model, SceneError> {
     let bytes = super::read_bytes(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        single_index: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..tobj::LoadOptions::default()
-    };
+    let options =
+        tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
     let mut model = Model::default();
-    let failures = RefCell::new(Vec::new());
+    let (failures, broken_colours) = (RefCell::new(Vec::new()), RefCell::new(Vec::new()));
     let load_materials = |library: &Path| {
         let file = folder.join(library.to_string_lossy().replace('\\', "/"));
         let result = match std::fs::read(&file) {
-            Ok(bytes) => tobj::load_mtl_buf(&mut String::from_utf8_lossy(&bytes).as_bytes()),
+            Ok(bytes) => {
+                let (text, complete) = without_broken_colours(&String::from_utf8_lossy(&bytes));
+                if !complete {
+                    broken_colours.borrow_mut().push(library.display().to_string());
+                }
+                tobj::load_mtl_buf(&mut text.as_bytes())
+            }
             Err(_) => Err(tobj::LoadError::OpenFileFailed),
         };
         if let Err(cause) = &result {
@@ -46,6 +47,9 @@ pub fn read(path: &Path) -> Result<Model, SceneError> {
     for failure in failures.into_inner() {
         model.notes.add("material libraries that cannot be read; their surfaces are grey", &failure);
     }
+    for library in broken_colours.into_inner() {
+        model.notes.add("colours of materials that are not three numbers are ignored", &library);
+    }
     let mut textures = HashMap::new();
     for material in &materials.unwrap_or_default() {
         let material = read_material(folder, material, &mut textures, &mut model);
@@ -59,9 +63,21 @@ pub fn read(path: &Path) -> Result<Model, SceneError> {
     Ok(model)
 }
 
+/// A material library without the colours that are not three numbers, and whether it had none: tobj
+/// 4.0.5 panics on a colour of fewer.
+fn without_broken_colours(library: &str) -> (String, bool) {
+    let is_sound = |line: &&str| {
+        let mut words = line.split_whitespace();
+        let is_colour = words.next().is_some_and(|key| ["Ka", "Kd", "Ks", "Ke"].contains(&key));
+        !is_colour || words.take(3).filter(|w| w.parse::<f32>().is_ok()).count() == 3
+    };
+    let kept: Vec<&str> = library.lines().filter(is_sound).collect();
+    (kept.join("\n"), kept.len() == library.lines().count())
+}
+
 fn add_part(path: &Path, part: tobj::Model, grey: usize, model: &mut Model) -> Result<(), SceneError> {
     let tobj::Model { mesh, name } = part;
-    let name = if name.is_empty() { super::stem(path) } else { name };
+    let name = if name.is_empty() || name == "unnamed_object" { super::stem(path) } else { name };
     let vectors = |list: &[f32]| list.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
     let positions = vectors(&mesh.positions);
     let count = positions.len();
