@@ -1,7 +1,8 @@
 //! The picture drawn on the processor, on threads of its own: the window never waits for it.
 //!
-//! While things move a coarse frame follows; at rest full frames join a running mean. A coarse frame
-//! may start while a full one is still under way, so that the first move of the mouse shows at once.
+//! While things move a coarse frame follows; at rest a sharp one lit from the elements replaces it, then
+//! frames with shadow rays join a running mean, which is shown once its noise has gone down. A coarse
+//! frame may start while another is still under way, so that the first move of the mouse shows at once.
 
 use super::request::{DisplayKey, RenderKey, Request};
 use crate::session::Compare;
@@ -25,20 +26,27 @@ use std::{
 const COARSE_SECONDS: f64 = 0.05;
 /// Shadow rays an emitter in one full frame; the running mean does the rest.
 const SAMPLES: u32 = 2;
+/// Frames in the running mean of a picture at rest.
+const FRAMES: u32 = 16;
+/// The running mean is shown from this many frames on.
+const FRAMES_TO_SHOW: u32 = 3;
 
 /// A picture drawn on the processor.
 #[derive(Default)]
 pub struct CpuPicture {
     texture: Option<TextureHandle>,
     shown: Option<(RenderKey, DisplayKey)>,
-    /// Frames in what is shown; 0 for a coarse one.
+    /// Frames in what is shown; 0 for one that the running mean will replace.
     pub frames: u32,
+    /// Whether what is shown has fewer pixels than the viewport.
+    pub coarse: bool,
     /// Seconds the last frame took.
     pub seconds: f64,
     /// Range of the last difference, cd/m².
     pub difference: Option<FalseColour>,
     kept: Option<Kept>,
     flights: Vec<Flight>,
+    sharp: Option<RenderKey>,
     wanted: Option<RenderKey>,
     scale: f64,
 }
@@ -50,8 +58,19 @@ struct Kept {
     buffer: GBuffer,
 }
 
+/// What a thread is drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Few pixels, lit from the elements.
+    Coarse,
+    /// All pixels, lit from the elements.
+    Sharp,
+    /// One more frame of the running mean.
+    Mean,
+}
+
 struct Flight {
-    coarse: bool,
+    stage: Stage,
     result: Receiver<Landed>,
 }
 
@@ -74,12 +93,17 @@ impl CpuPicture {
         let changed = self.wanted.as_ref() != Some(&key);
         let stale = self.shown.as_ref().is_none_or(|(k, _)| *k != key);
         self.wanted = Some(key);
-        let coarse_flies = self.flights.iter().any(|f| f.coarse);
+        let coarse_flies = self.flights.iter().any(|f| f.stage == Stage::Coarse);
         let comparing = request.compare == Compare::Difference;
         if !coarse_flies && !comparing && stale && (changed || moving || self.texture.is_none()) {
-            self.start_coarse(ctx, request.clone());
-        } else if self.flights.is_empty() && !(moving && stale) {
-            self.start_fine(ctx, request.clone());
+            self.start_unaveraged(ctx, request.clone(), Stage::Coarse);
+        } else if self.flights.is_empty() && !moving {
+            if !comparing && self.coarse && self.sharp != self.wanted {
+                self.sharp = self.wanted.clone();
+                self.start_unaveraged(ctx, request.clone(), Stage::Sharp);
+            } else {
+                self.start_mean(ctx, request.clone());
+            }
         }
         if moving {
             ctx.request_repaint();
@@ -91,7 +115,12 @@ impl CpuPicture {
     pub fn settled(&self, request: &Request) -> bool {
         self.flights.is_empty()
             && self.shown == Some((request.render_key(), request.display_key()))
-            && self.frames >= request.frames_wanted()
+            && self.frames >= frames_wanted(request)
+    }
+
+    /// Frames in the finished picture.
+    pub fn frames_wanted(&self, request: &Request) -> u32 {
+        frames_wanted(request)
     }
 
     fn land(&mut self, ctx: &egui::Context) {
@@ -100,34 +129,39 @@ impl CpuPicture {
             Err(TryRecvError::Empty) => true,
             Err(TryRecvError::Disconnected) => false,
             Ok(landed) => {
-                self.take(ctx, landed, flight.coarse);
+                self.take(ctx, landed, flight.stage);
                 false
             }
         });
         self.flights = flights;
     }
 
-    fn take(&mut self, ctx: &egui::Context, landed: Landed, coarse: bool) {
+    fn take(&mut self, ctx: &egui::Context, landed: Landed, stage: Stage) {
         if landed.drew {
             self.seconds = landed.seconds;
         }
-        if coarse {
+        if stage == Stage::Coarse {
             let ratio = (COARSE_SECONDS / landed.seconds.max(1e-4)).sqrt().clamp(0.7, 1.4);
             self.scale = (self.scale * ratio).clamp(0.15, 1.0);
         }
+        let shows_wanted = self.shown.as_ref().is_some_and(|(k, _)| Some(k) == self.wanted.as_ref());
+        let is_wanted = Some(&landed.key) == self.wanted.as_ref();
         if let Some(kept) = landed.kept {
             self.kept = Some(kept);
         }
-        // A frame of an older view never replaces one of the view that is wanted.
-        let wanted = self.wanted.as_ref();
-        let shows_wanted = self.shown.as_ref().is_some_and(|(k, _)| Some(k) == wanted);
-        if Some(&landed.key) != wanted && (shows_wanted || !coarse) && self.texture.is_some() {
-            return;
-        }
-        if coarse && shows_wanted && self.frames > 0 {
+        // Coarse frames of a moment ago still show where things went; anything else that is old does not.
+        let late = !is_wanted && (shows_wanted || stage != Stage::Coarse);
+        let worse = shows_wanted && (self.frames > landed.frames || (stage == Stage::Coarse && !self.coarse));
+        let noisy = shows_wanted
+            && stage == Stage::Mean
+            && self.frames == 0
+            && landed.difference.is_none()
+            && landed.frames < FRAMES_TO_SHOW;
+        if self.texture.is_some() && (late || worse || noisy) {
             return;
         }
         self.frames = landed.frames;
+        self.coarse = stage == Stage::Coarse;
         self.difference = landed.difference;
         self.shown = Some((landed.key, landed.display));
         match &mut self.texture {
@@ -136,12 +170,12 @@ impl CpuPicture {
         }
     }
 
-    fn start_coarse(&mut self, ctx: &egui::Context, request: Request) {
+    fn start_unaveraged(&mut self, ctx: &egui::Context, request: Request, stage: Stage) {
         if self.scale == 0.0 {
             self.scale = 0.4;
         }
-        let scale = self.scale;
-        self.fly(ctx, true, move || {
+        let scale = if stage == Stage::Coarse { self.scale } else { 1.0 };
+        self.fly(ctx, stage, move || {
             let size = request.size.map(|s| ((f64::from(s) * scale) as u32).max(2));
             let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
             let (buffer, layers) =
@@ -161,11 +195,11 @@ impl CpuPicture {
         });
     }
 
-    fn start_fine(&mut self, ctx: &egui::Context, request: Request) {
+    fn start_mean(&mut self, ctx: &egui::Context, request: Request) {
         let (key, display) = (request.render_key(), request.display_key());
         let current = self.kept.as_ref().is_some_and(|k| k.key == key);
         let enough =
-            current && self.kept.as_ref().is_some_and(|k| k.mean.frames() >= request.frames_wanted());
+            current && self.kept.as_ref().is_some_and(|k| k.mean.frames() >= frames_wanted(&request));
         let displayed =
             self.frames > 0 && self.shown.as_ref().is_some_and(|(k, d)| *k == key && *d == display);
         if enough && displayed {
@@ -173,7 +207,7 @@ impl CpuPicture {
         }
         let kept = self.kept.take().filter(|k| k.key == key);
         let redisplay = kept.is_some() && !displayed;
-        self.fly(ctx, false, move || {
+        self.fly(ctx, Stage::Mean, move || {
             let (mut mean, buffer) = match kept {
                 Some(k) => (k.mean, Some(k.buffer)),
                 None => (Accumulator::new(), None),
@@ -201,7 +235,7 @@ impl CpuPicture {
         });
     }
 
-    fn fly(&mut self, ctx: &egui::Context, coarse: bool, work: impl FnOnce() -> Landed + Send + 'static) {
+    fn fly(&mut self, ctx: &egui::Context, stage: Stage, work: impl FnOnce() -> Landed + Send + 'static) {
         let (sender, result) = channel();
         let ctx = ctx.clone();
         let spawned = std::thread::Builder::new().name("picture".into()).spawn(move || {
@@ -214,10 +248,15 @@ impl CpuPicture {
             }
         });
         match spawned {
-            Ok(_) => self.flights.push(Flight { coarse, result }),
+            Ok(_) => self.flights.push(Flight { stage, result }),
             Err(error) => log::error!("no thread for the picture: {error}"),
         }
     }
+}
+
+fn frames_wanted(request: &Request) -> u32 {
+    // Without shadow rays the mean only smooths edges.
+    if request.direct == DirectQuality::Elements { FRAMES / 2 } else { FRAMES }
 }
 
 fn settings(request: &Request, frame: u32) -> PassSettings {

@@ -63,7 +63,7 @@ pub struct ViewportInput<'a> {
 pub struct ViewportOutput {
     /// Commands for the history.
     pub commands: Vec<Command>,
-    /// What was clicked.
+    /// What was clicked, or what was clicked earlier read again because the light has changed.
     pub pick: Option<Pick>,
     /// Seconds the picture last took.
     pub frame_seconds: f64,
@@ -83,6 +83,7 @@ pub struct Viewport {
     interaction: Interaction,
     last: Option<(Camera, Same<LightTransportSolution>)>,
     moved_at: f64,
+    pick: Option<(Pick, Same<LightTransportSolution>)>,
 }
 
 impl Viewport {
@@ -118,9 +119,10 @@ impl Viewport {
             ev100: view.display.ev100,
             ..ViewportOutput::default()
         };
+        self.follow_pick(input, &mut out);
         let painted = self.paint_picture(ui, &painter, &screen, input, &view, moving, &mut out);
         self.paint_marks(&painter, &screen, input, &view);
-        self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref(), moving);
+        self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref());
         if input.scene.is_some()
             && let Some(side) = overlay::triad(ui, &painter, &screen, clicked)
         {
@@ -130,6 +132,21 @@ impl Viewport {
             out.commands.push(Command::View(Box::new(view)));
         }
         out
+    }
+
+    /// Reads the last pick again when the light has changed under it.
+    fn follow_pick(&mut self, input: &ViewportInput<'_>, out: &mut ViewportOutput) {
+        let Some(solution) = input.solution else { return };
+        let now = Same(Some(solution.clone()));
+        if out.pick.is_none()
+            && let Some((pick, then)) = &self.pick
+        {
+            if *then == now {
+                return;
+            }
+            out.pick = pick.again(then.0.as_deref(), solution);
+        }
+        self.pick = out.pick.clone().map(|pick| (pick, now));
     }
 
     fn is_moving(&mut self, ui: &egui::Ui, input: &ViewportInput<'_>, view: &View) -> bool {
@@ -228,13 +245,15 @@ impl Viewport {
         input: &ViewportInput<'_>,
         view: &View,
         painted: Option<&Painted>,
-        moving: bool,
     ) {
         if input.scene.is_none() {
             return;
         }
-        let status = painted.map(|p| p.status.clone()).unwrap_or_default();
-        overlay::status(painter, screen, &status, input.solution.map(Arc::as_ref), moving);
+        let mut status = painted.map(|p| p.status.clone()).unwrap_or_default();
+        if view.compare != Compare::Picture && input.reference.is_none() {
+            status.compare = Some("no reference yet, the picture instead");
+        }
+        overlay::status(painter, screen, &status, input.solution.map(Arc::as_ref));
         if let (Some(solution), Some(glance)) = (input.solution, &self.interaction.glance) {
             overlay::read_out(painter, screen, solution, glance);
         }

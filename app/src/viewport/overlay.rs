@@ -207,27 +207,27 @@ pub fn status(
     screen: &Screen,
     status: &Status,
     solution: Option<&LightTransportSolution>,
-    moving: bool,
 ) {
     let (dot, word) = match solution.map(|s| s.provenance.state) {
         None => (Color32::from_gray(150), "no light yet"),
-        Some(_) if moving => (SELECTED, "following"),
+        Some(State::Stale) => (Color32::from_rgb(232, 84, 88), "light stale"),
+        Some(State::Refining) => (SELECTED, "light refining"),
+        Some(State::Settled) if status.frames.0 < status.frames.1 => (SELECTED, "light settled"),
         Some(State::Settled) => (Color32::from_rgb(118, 190, 76), "settled"),
-        Some(State::Refining) => (SELECTED, "refining"),
-        Some(State::Stale) => (Color32::from_rgb(232, 84, 88), "stale"),
     };
     let mut text = String::from(word);
     if let Some(compare) = status.compare {
         text = format!("{compare} · {text}");
     }
-    if status.frames.1 > 1 {
-        text += &format!(" · {} of {} frames", status.frames.0, status.frames.1);
+    match status.frames {
+        (_, 0) => {}
+        _ if status.coarse => text += " · picture coarse",
+        (0, _) => text += " · picture refining",
+        (done, all) if done < all => text += &format!(" · picture {done} of {all} frames"),
+        (done, _) => text += &format!(" · {done} frames"),
     }
     if status.seconds > 0.0 {
-        text += &format!(" · {} ms", number::short((status.seconds * 1e3) as f32));
-    }
-    if status.coarse {
-        text += " · coarse";
+        text += &format!(" · {} ms a frame", number::short((status.seconds * 1e3) as f32));
     }
     if !status.backend.is_empty() {
         text += &format!(" · {}", status.backend);

@@ -125,6 +125,23 @@ impl Pick {
         }
     }
 
+    /// The same point of the same scene in another light; `None` if the scene is another.
+    pub fn again(
+        &self,
+        before: Option<&LightTransportSolution>,
+        solution: &LightTransportSolution,
+    ) -> Option<Self> {
+        let geometry = &solution.world.geometry;
+        let same = before
+            .is_some_and(|b| b.scene.name == solution.scene.name && b.world.geometry.len() == geometry.len());
+        if !same || self.triangle as usize >= geometry.len() {
+            return None;
+        }
+        let into_surface = geometry.area_normal(self.triangle) * if self.back { 1.0 } else { -1.0 };
+        let surface = geometry.surface(self.triangle, self.barycentric, into_surface);
+        Some(Self::at(solution, &surface))
+    }
+
     /// Radiance towards the eye, all layers with weight 1, cd/m² per channel.
     pub fn total_radiance(&self) -> Vec3 {
         self.radiance.iter().sum()

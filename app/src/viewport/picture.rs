@@ -91,10 +91,10 @@ impl Picture {
             return Some(Painted { texture, aspect: None, status, difference: None, settled });
         }
         let texture = self.cpu.show(ctx, request, moving)?;
-        status.frames = (self.cpu.frames, request.frames_wanted());
+        status.frames = (self.cpu.frames, self.cpu.frames_wanted(request));
         status.seconds = self.cpu.seconds;
         status.backend = "processor".into();
-        status.coarse = self.cpu.frames == 0;
+        status.coarse = self.cpu.coarse;
         let aspect = (request.compare == Compare::Difference)
             .then(|| request.size[0] as f32 / request.size[1].max(1) as f32);
         let settled = self.cpu.settled(request);

@@ -4,6 +4,7 @@ use crate::session::Compare;
 use lumenscope_core::{
     inspection::InspectionScene,
     math::{
+        colour::luminance,
         false_colour::{FalseColour, Palette},
         image::LinearImage,
     },
@@ -111,7 +112,30 @@ impl Request {
 }
 
 /// Palette and range of inspection views, in their legend's unit.
+///
+/// Values that spread over more than a decade around their median, as those beside a lamp do, are
+/// shown by their logarithm, two decades down from the largest.
 pub fn inspection_colours(inspection: Option<&InspectionScene>, palette: Palette) -> FalseColour {
     let [low, high] = inspection.and_then(|i| i.legend.as_ref()).map_or([0.0, 1.0], |l| l.range);
-    FalseColour { palette, low, high: if high > low { high } else { low + 1.0 }, logarithmic: false }
+    let high = if high > low { high } else { low + 1.0 };
+    let median = inspection.and_then(median);
+    match median {
+        Some(median) if low >= 0.0 && median > 0.0 && high > 20.0 * median => {
+            let bottom = (0.05 * median).max(low).max(1e-4 * high);
+            FalseColour { palette, low: bottom, high, logarithmic: true }
+        }
+        _ => FalseColour { palette, low, high, logarithmic: false },
+    }
+}
+
+/// Median luminance over at most a few thousand of the values shown.
+fn median(inspection: &InspectionScene) -> Option<f32> {
+    let bins = &inspection.sphere_bins;
+    let vertices = inspection.meshes.iter().flat_map(|m| &m.values);
+    let stride = (bins.len() / 2048).max(1);
+    let mut values: Vec<f32> =
+        bins.iter().step_by(stride).chain(vertices.take(2048)).map(|v| luminance(*v)).collect();
+    values.retain(|v| v.is_finite() && *v > 0.0);
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied()
 }

@@ -1,8 +1,8 @@
 //! Radial plots: the value in every direction of a plane as the distance from the middle.
 
 use super::{number, sphere_image::SphereValues};
-use egui::{Color32, Stroke};
-use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Polygon, Text};
+use egui::Color32;
+use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
 use glam::Vec3;
 use lumenscope_core::math::colour::luminance;
 
@@ -139,18 +139,6 @@ pub fn show(
                     plot.line(Line::new("", ends).color(faint).width(1.0).allow_hover(false));
                 }
                 for (name, colour, points) in lines {
-                    if curves == Curves::Luminous {
-                        let fill = colour.gamma_multiply(0.18);
-                        for wedge in points.windows(2) {
-                            let corners = vec![[0.0, 0.0], wedge[0], wedge[1]];
-                            plot.polygon(
-                                Polygon::new("", corners)
-                                    .fill_color(fill)
-                                    .stroke(Stroke::NONE)
-                                    .allow_hover(false),
-                            );
-                        }
-                    }
                     plot.line(Line::new(name, PlotPoints::from(points)).color(colour).width(1.8));
                 }
                 for (text, x, y) in label_places(plane, outer) {

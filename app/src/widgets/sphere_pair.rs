@@ -122,7 +122,8 @@ fn axes(ui: &egui::Ui, rect: Rect, world_from_view: Mat3, normal: Option<Vec3>) 
         }
         let at = rect.center() + vec2(seen.x, -seen.y) * (0.5 * rect.width() - 4.0);
         painter.circle(at, 3.5, colour, egui::Stroke::new(1.0, Color32::from_black_alpha(180)));
-        let out = at + vec2(7.0, -7.0);
+        let inwards = (rect.center() - at).normalized() * 10.0;
+        let out = at + if inwards.length() > 1.0 { inwards } else { vec2(8.0, -8.0) };
         let font = FontId::proportional(11.0);
         painter.text(
             out + vec2(0.8, 0.8),
