@@ -9,7 +9,7 @@ use crate::shapes::{
     round::{bent, lathe, rod, rounded, superellipsoid, tube},
     v,
 };
-use glam::{DMat3, DVec2};
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Height of a desk top, m.
@@ -51,7 +51,7 @@ pub fn divider(palette: &Palette, felt: usize, width: f64, height: f64) -> Parts
     parts.add(felt, bevelled(v(-half, 0.052, -0.018), v(half, height, 0.018), 0.010));
     parts.add(palette.steel, bevelled(v(-half, 0.030, -0.015), v(half, 0.050, 0.015), 0.004));
     for x in [-0.42 * width, 0.42 * width] {
-        parts.add(palette.steel, block(v(x, 0.002, 0.0), v(0.05, 0.026, 0.26), 0.008));
+        parts.add(palette.steel, block(v(x, 0.002, 0.0), v(0.05, 0.026, 0.17), 0.008));
     }
     parts
 }
@@ -64,20 +64,15 @@ pub fn chair(palette: &Palette, fabric: usize) -> Parts {
     let pan = [[0.0, 0.415], [0.17, 0.415], [0.19, 0.433], [0.0, 0.433]];
     parts.add(palette.plastic, lathe(&rounded(&pan, 0.006, 1, false), 18, false));
     // The back: a cushion bent round the sitter.
-    let bend = |p: glam::DVec3| v(p.x, p.y, p.z - 0.75 * p.x * p.x - 0.25 * (p.y - 0.05).powi(2));
+    let bend = |p: DVec3| v(p.x, p.y, p.z - 0.75 * p.x * p.x - 0.25 * (p.y - 0.05).powi(2));
     let back = superellipsoid(v(0.215, 0.20, 0.034), DVec2::new(0.42, 0.42), 24, 10);
     let lean = DMat3::from_rotation_x(8f64.to_radians());
     parts.add(fabric, back.warped(bend).placed(lean, v(0.0, 0.80, 0.255)));
-    let bar = bent(&[v(0.0, 0.424, 0.196), v(0.0, 0.424, 0.315), v(0.0, 0.76, 0.322)], 0.07, 4);
-    parts.add(palette.steel, tube(&bar, &vec![0.015; bar.len()], 10));
+    let bar = bent(&[v(0.0, 0.417, 0.198), v(0.0, 0.417, 0.315), v(0.0, 0.76, 0.322)], 0.07, 4);
+    parts.add(palette.steel, tube(&bar, &vec![0.013; bar.len()], 10));
     for side in [-1.0, 1.0] {
         let arm = bent(
-            &[
-                v(side * 0.195, 0.424, 0.02),
-                v(side * 0.275, 0.424, 0.02),
-                v(side * 0.285, 0.655, 0.03),
-                v(side * 0.285, 0.655, 0.05),
-            ],
+            &[v(side * 0.195, 0.419, 0.02), v(side * 0.275, 0.419, 0.02), v(side * 0.285, 0.666, 0.03)],
             0.05,
             2,
         );
@@ -93,8 +88,8 @@ pub fn chair(palette: &Palette, fabric: usize) -> Parts {
         let angle = TAU * (f64::from(star) + 0.25) / 5.0;
         let turn = DMat3::from_rotation_y(angle);
         let path = [v(0.047, 0.105, 0.0), v(0.16, 0.095, 0.0), v(0.27, 0.077, 0.0)];
-        parts.add(palette.plastic, tube(&path, &[0.021, 0.017, 0.013], 7).placed(turn, v(0.0, 0.0, 0.0)));
-        parts.add(palette.plastic, castor().placed(turn, v(0.285, 0.0, 0.0)));
+        parts.add(palette.plastic, tube(&path, &[0.021, 0.017, 0.013], 7).placed(turn, DVec3::ZERO));
+        parts.add(palette.plastic, castor().moved(v(0.285, 0.0, 0.0)).placed(turn, DVec3::ZERO));
     }
     parts
 }

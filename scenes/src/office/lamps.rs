@@ -25,7 +25,7 @@ fn radiance(flux: f64, radius: f64, tint: [f64; 3]) -> [f64; 3] {
 
 /// Floor lamp with a bowl that hides the lamp and lights the ceiling.
 pub fn uplighter(model: &mut Model, palette: &Palette) -> usize {
-    let radius = 0.12;
+    let radius = 0.172;
     let glow = model.material(Material::new("Halogen", [0.0; 3]).emitting(radiance(
         UPLIGHTER_FLUX,
         radius,
@@ -34,39 +34,40 @@ pub fn uplighter(model: &mut Model, palette: &Palette) -> usize {
     let mut parts = Parts::default();
     let foot = [[0.0, 0.002], [0.15, 0.002], [0.15, 0.018], [0.03, 0.03], [0.02, 0.05], [0.0, 0.05]];
     parts.add(palette.lacquer, lathe(&rounded(&foot, 0.008, 2, false), 28, false));
-    parts.add(palette.lacquer, rod(v(0.0, 0.051, 0.0), v(0.0, 1.66, 0.0), 0.014, 14));
+    parts.add(palette.lacquer, rod(v(0.0, 0.051, 0.0), v(0.0, 1.52, 0.0), 0.014, 14));
     // The bowl: outside up, over the rim, inside down to the axis.
     let bowl = [
-        [0.0, 1.662],
-        [0.05, 1.667],
-        [0.11, 1.70],
-        [0.17, 1.76],
-        [0.205, 1.84],
-        [0.198, 1.84],
-        [0.163, 1.768],
-        [0.105, 1.715],
-        [0.05, 1.69],
-        [0.0, 1.688],
+        [0.0, 1.522],
+        [0.05, 1.526],
+        [0.11, 1.556],
+        [0.165, 1.61],
+        [0.205, 1.71],
+        [0.198, 1.71],
+        [0.157, 1.616],
+        [0.105, 1.570],
+        [0.05, 1.546],
+        [0.0, 1.542],
     ];
     parts.add(palette.lacquer, lathe(&rounded(&bowl, 0.004, 2, false), 36, false));
-    parts.add(glow, fan(v(0.0, 1.758, 0.0), DVec3::Y, radius, SIDES));
-    // What the disc shines out of, so that its black back is not seen from the side.
-    parts.add(palette.lacquer, cylinder(v(0.0, 1.727, 0.0), 0.06, 0.03, 16));
+    parts.add(glow, fan(v(0.0, 1.685, 0.0), DVec3::Y, radius, SIDES));
+    // The diffuser stands high in the bowl: a bright inside would be a small, strong secondary source,
+    // which a path tracer finds by chance alone.
+    parts.add(palette.lacquer, cylinder(v(0.0, 1.672, 0.0), 0.173, 0.011, 28));
     model.mesh(parts)
 }
 
 /// Desk lamp with a jointed arm; the shade hangs 0.25 m before the foot along +x.
 pub fn desk_lamp(model: &mut Model, palette: &Palette) -> usize {
-    let radius = 0.034;
+    let radius = 0.060;
     let glow = model.material(Material::new("Bulb", [0.0; 3]).emitting(radiance(
         DESK_LAMP_FLUX,
         radius,
         [1.0, 0.80, 0.55],
     )));
-    let red = palette.dividers[0];
+    let cream = palette.lacquer;
     let mut parts = Parts::default();
     let foot = [[0.0, 0.001], [0.085, 0.001], [0.085, 0.014], [0.03, 0.024], [0.0, 0.024]];
-    parts.add(red, lathe(&rounded(&foot, 0.006, 2, false), 28, false));
+    parts.add(cream, lathe(&rounded(&foot, 0.006, 2, false), 28, false));
     let arm = bent(
         &[
             v(0.0, 0.025, 0.0),
@@ -97,9 +98,8 @@ pub fn desk_lamp(model: &mut Model, palette: &Palette) -> usize {
     let profile: Vec<_> = rounded(&shade, 0.008, 2, false);
     let tilt = DMat3::from_rotation_z(25f64.to_radians());
     let hang = v(0.25, 0.29, 0.0);
-    parts.add(red, lathe(&profile, 32, false).placed(tilt, hang));
-    parts.add(glow, fan(v(0.0, 0.032, 0.0), DVec3::NEG_Y, radius, SIDES).placed(tilt, hang));
-    let bulb = [[0.0, 0.034], [0.033, 0.034], [0.03, 0.05], [0.015, 0.07], [0.0, 0.07]];
-    parts.add(palette.stoneware, lathe(&rounded(&bulb, 0.006, 1, false), 16, false).placed(tilt, hang));
+    parts.add(cream, lathe(&profile, 32, false).placed(tilt, hang));
+    parts.add(glow, fan(v(0.0, 0.010, 0.0), DVec3::NEG_Y, radius, SIDES).placed(tilt, hang));
+    parts.add(palette.stoneware, cylinder(v(0.0, 0.012, 0.0), 0.061, 0.005, 28).placed(tilt, hang));
     model.mesh(parts)
 }
