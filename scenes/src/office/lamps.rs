@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
 /// Luminous flux of the uplighter, lm.
-const UPLIGHTER_FLUX: f64 = 8_000.0;
+const UPLIGHTER_FLUX: f64 = 10_000.0;
 /// Luminous flux of the desk lamp, lm.
 const DESK_LAMP_FLUX: f64 = 600.0;
 /// Triangles of an emissive disc.

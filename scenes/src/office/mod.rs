@@ -25,8 +25,8 @@ pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 const RON: &str = "\
-// An open-plan office in the evening, 8 x 6 x 2.8 m: a halogen uplighter (8000 lm) that lights the room
-// by way of the ceiling, a luminous ceiling panel (about 6800 lm), a desk lamp (600 lm), dusk outside.
+// An open-plan office in the evening, 8 x 6 x 2.8 m: a halogen uplighter (10000 lm) that lights the room
+// by way of the ceiling, a luminous ceiling panel (about 2800 lm), a desk lamp (600 lm), dusk outside.
 (
     models: [(file: \"office.glb\")],
     movable: [\"Desk lamp\", \"Uplighter\", \"Chair\", \"Mug\"],

@@ -23,7 +23,7 @@ const RECESS: f64 = 0.22;
 /// Radiance of the sky behind the window where the picture is white, cd/m².
 const SKY: [f64; 3] = [55.0, 62.0, 80.0];
 /// Radiance of the ceiling panel, cd/m².
-const PANEL: [f64; 3] = [3_150.0, 3_010.0, 2_790.0];
+const PANEL: [f64; 3] = [1_310.0, 1_250.0, 1_160.0];
 
 /// Adds the shell and what hangs on it.
 pub fn add(model: &mut Model, palette: &Palette) {
