@@ -89,37 +89,49 @@ fn furnace_radiance_is_emission_over_one_less_reflectance() {
 
 #[test]
 fn next_event_estimation_agrees_with_blind_search_for_light() {
-    for (name, scene) in [("cornell", cornell()), ("many panels", many_panels())] {
+    let cases = [
+        ("wide panel", wide_panel(), [Part::Direct, Part::Indirect].as_slice()),
+        ("many panels", many_panels(), &[Part::All]),
+    ];
+    for (name, scene, parts) in cases {
         let world = World::new(&scene);
-        let receivers = surface_receivers(&world, 200, 11);
-        for part in [Part::Direct, Part::Indirect, Part::All] {
+        let receivers = surface_receivers(&world, 100, 11);
+        for &part in parts {
             let pairs: Vec<(Estimate, Estimate)> = receivers
                 .par_iter()
                 .enumerate()
                 .map(|(i, r)| {
                     let seed = i as u64;
-                    (irradiance(&world, r, part, 1024, seed), irradiance_brute(&world, r, part, 8192, seed))
+                    (irradiance(&world, r, part, 4096, seed), irradiance_brute(&world, r, part, 32_768, seed))
                 })
                 .collect();
             // Where light comes from a sliver of the sphere the blind search hits it so rarely that its mean
-            // is far from normal (one hit in 8192 at worst): such points prove nothing and are left out.
+            // is far from normal: such points prove nothing and are left out.
             let mean = pairs.iter().map(|p| p.0.mean.y).sum::<f32>() / pairs.len() as f32;
             let (found, brute): (Vec<_>, Vec<_>) =
                 pairs.into_iter().filter(|p| p.0.mean.y > 0.1 * mean).unzip();
-            assert!(found.len() >= 60, "{name} {part:?}: {} points are lit", found.len());
+            assert!(found.len() >= 50, "{name} {part:?}: {} points are lit", found.len());
             let test = z_test(&found, &brute, FALSE_ALARM).unwrap();
             println!("{name} {part:?}: {test:?}");
             assert!(test.passes(), "{name} {part:?}: {test:?}");
             // z has mean 0; its three channels are one and the same number of independent values.
-            let limit = critical_value(FALSE_ALARM, 6, u32::MAX) / (found.len() as f64).sqrt();
+            let limit = critical_value(FALSE_ALARM, 3, u32::MAX) / (found.len() as f64).sqrt();
             assert!(test.mean.abs() < limit, "{name} {part:?}: biased, {test:?}");
         }
     }
 }
 
+/// The box under a panel so large that a blind search finds it often.
+fn wide_panel() -> Scene {
+    let mut scene = cornell();
+    let panel = rectangle(Vec3::new(-0.8, 1.95, -0.8), Vec3::X * 1.6, Vec3::Z * 1.6);
+    scene.meshes[3] = Arc::new(panel);
+    scene
+}
+
 /// More panels than the first vertex samples one by one, some two-sided, the others shining upwards or down.
 fn many_panels() -> Scene {
-    let mut scene = cornell();
+    let mut scene = wide_panel();
     for i in 0..10 {
         let x = -0.95 + 0.19 * i as f32;
         let panel = rectangle(Vec3::new(x, 1.6, -0.4), Vec3::X * 0.15, Vec3::new(0.0, 0.1, 0.8));

@@ -139,7 +139,7 @@ pub fn flip_displayed(
     if image.is_empty() || columns == 0 {
         return Err(MeasureError::Empty);
     }
-    if image.len() != reference.len() || image.len() % columns != 0 {
+    if image.len() != reference.len() || !image.len().is_multiple_of(columns) {
         return Err(MeasureError::LengthMismatch { found: image.len(), reference: reference.len() });
     }
     let bytes = |pixels: &[[u8; 4]]| pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();
