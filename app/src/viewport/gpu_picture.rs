@@ -37,6 +37,8 @@ pub struct GpuPicture {
     pub adapter: String,
     /// Pixels along a side over those there are.
     pub scale: f64,
+    /// Whether the device has turned out to offer too little for the scene.
+    pub failed: bool,
     in_flight: Option<Arc<Mutex<Option<f64>>>>,
     displayed: Option<DisplayKey>,
 }
@@ -59,6 +61,7 @@ impl GpuPicture {
             seconds: 0.0,
             adapter: state.adapter.get_info().name,
             scale: 1.0,
+            failed: false,
             in_flight: None,
             displayed: None,
         })
@@ -84,7 +87,11 @@ impl GpuPicture {
         if finished {
             return self.texture;
         }
-        self.upload(state, request);
+        if let Err(error) = self.upload(state, request) {
+            log::error!("the graphics device cannot hold the scene: {error}");
+            self.failed = true;
+            return None;
+        }
         let rest = !changed && !moving;
         let frame = self.frame(request, rest);
         let start = Instant::now();
@@ -101,7 +108,7 @@ impl GpuPicture {
         self.frames = if rest { frame.frame_index + 1 } else { 0 };
         self.last = Some(key);
         self.displayed = Some(request.display_key());
-        self.present(state, frame.size);
+        self.present(state, self.renderer.size());
         ctx.request_repaint();
         self.texture
     }
@@ -129,19 +136,20 @@ impl GpuPicture {
         true
     }
 
-    fn upload(&mut self, state: &RenderState, request: &Request) {
+    fn upload(&mut self, state: &RenderState, request: &Request) -> Result<(), GpuError> {
         let solution = Same(Some(request.solution.clone()));
         if self.uploaded != solution {
-            self.renderer.upload(&state.device, &state.queue, &request.solution);
+            self.renderer.upload(&state.device, &state.queue, &request.solution)?;
             self.uploaded = solution;
         }
         let colours = request.inspection_colours();
         let inspected = Some((Same(request.inspection.clone()), colours));
         if self.inspected != inspected {
             let scene = request.inspection.as_deref();
-            self.renderer.set_inspection(&state.device, &state.queue, scene, &colours);
+            self.renderer.set_inspection(&state.device, &state.queue, scene, &colours)?;
             self.inspected = inspected;
         }
+        Ok(())
     }
 
     fn frame(&self, request: &Request, rest: bool) -> FrameSettings {

@@ -82,7 +82,13 @@ impl Picture {
             && self.open(state)
             && let Some(gpu) = &mut self.gpu
         {
-            let texture = gpu.show(ctx, state, request, moving)?;
+            let texture = gpu.show(ctx, state, request, moving);
+            if gpu.failed {
+                self.gpu = None;
+                self.gpu_failed = true;
+                ctx.request_repaint();
+            }
+            let (Some(texture), Some(gpu)) = (texture, &self.gpu) else { return None };
             status.frames = (gpu.frames, request.frames_wanted());
             status.seconds = gpu.seconds;
             status.backend.clone_from(&gpu.adapter);

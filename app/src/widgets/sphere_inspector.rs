@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, view: &View) -> Vec<Command> {
         empty(ui);
         return Vec::new();
     };
-    let id = egui::Id::new("sphere inspector");
+    let id = egui::Id::unique("sphere inspector");
     let mut memory: Memory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     let mut wanted = view.clone();
     controls(ui, &mut memory, &mut wanted);
