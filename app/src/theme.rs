@@ -54,6 +54,12 @@ const LIGHT: Greys = Greys {
 
 /// Gives a context both themes.
 pub fn install(ctx: &Context) {
+    // Hack draws the arrows and mathematical signs that the text face lacks.
+    let mut faces = egui::FontDefinitions::default();
+    if let Some(text) = faces.families.get_mut(&FontFamily::Proportional) {
+        text.push("Hack".to_owned());
+    }
+    ctx.set_fonts(faces);
     for (theme, greys) in [(Theme::Dark, DARK), (Theme::Light, LIGHT)] {
         ctx.style_mut_of(theme, |style| {
             fonts(style);

@@ -26,11 +26,13 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
 /// Name on screen, and the layer's equation.
 fn explain(layer: Layer) -> (&'static str, &'static str) {
     match layer {
-        Layer::Emitted => ("Emitted", "Light that emitters send straight to the eye.\n\nL = Lₑ(x, ω), cd/m²"),
+        Layer::Emitted => {
+            ("Emitted", "Light that emitters send straight to the eye.\n\nL = L_e(x, ω), cd/m²")
+        }
         Layer::Direct => (
             "Direct",
             "Light that reached the surface straight from the emitters.\n\n\
-             L = ρ/π · E_d,  E_d = ∫ Lₑ(y) cos θ cos θ' V / r² dA, cd/m²",
+             L = ρ/π · E_d,  E_d = ∫ L_e(y) cos θ cos θ' V / r² dA, cd/m²",
         ),
         Layer::Indirect => (
             "Indirect",

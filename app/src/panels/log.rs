@@ -18,8 +18,8 @@ pub fn show(ui: &mut Ui, state: &mut State, log: &Journal) {
         let visuals = ui.visuals();
         let (mark, colour) = match line.severity {
             Severity::Info => ("·", visuals.text_color()),
-            Severity::Warning => ("⚠", visuals.warn_fg_color),
-            Severity::Error => ("✖", visuals.error_fg_color),
+            Severity::Warning => ("!", visuals.warn_fg_color),
+            Severity::Error => ("×", visuals.error_fg_color),
         };
         ui.horizontal_top(|ui| {
             ui.label(RichText::new(format!("{:8.1} s", line.seconds)).monospace().weak());

@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, pick: Option<&Pick>) {
         quantity(ui, "Irradiance", total, "lx", e);
         quantity(ui, "  direct", pick.irradiance_direct, "lx", "The part straight from the emitters");
         quantity(ui, "  indirect", pick.irradiance_indirect, "lx", "The part after at least one bounce");
-        let l = "L = Lₑ + ρ E / π: light that leaves the surface towards the eye";
+        let l = "L = L_e + ρ E / π: light that leaves the surface towards the eye";
         quantity(ui, "Radiance", pick.total_radiance(), "cd/m²", l);
     });
     if pick.volume_samples.is_empty() {

@@ -23,15 +23,8 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         ui.weak("Objects and lamps appear here when a scene is open.");
         return;
     };
-    let label = ui.label("🔍").on_hover_text("Show only names that contain this");
     let search = TextEdit::singleline(&mut state.filter).hint_text("Search").desired_width(f32::INFINITY);
-    ui.put(
-        egui::Rect::from_min_max(label.rect.right_top() + egui::vec2(6.0, -2.0), {
-            egui::pos2(ui.max_rect().right(), label.rect.bottom() + 2.0)
-        }),
-        search,
-    )
-    .labelled_by(label.id);
+    accessible(ui.add(search), "Search").on_hover_text("Show only names that contain this");
     ui.add_space(4.0);
     let height = if session.document.view.selected.is_some() { 104.0 } else { f32::INFINITY };
     ScrollArea::vertical().id_salt("targets").max_height(height).auto_shrink(false).show(ui, |ui| {
@@ -58,12 +51,11 @@ fn list(ui: &mut Ui, state: &mut State, scene: &Scene, session: &Session, out: &
             continue;
         }
         let (lamp, movable) = (scene.emits(target), is_movable(scene, target));
-        let icon = if lamp {
-            "💡"
-        } else if movable {
-            "✋"
-        } else {
-            "▫"
+        let mark = if lamp { "●" } else { "■" };
+        let colour = match (lamp, movable) {
+            (true, _) => crate::theme::accent(ui.visuals()),
+            (false, true) => ui.visuals().text_color(),
+            (false, false) => ui.visuals().weak_text_color().gamma_multiply(0.6),
         };
         let kind = match (lamp, movable) {
             (true, true) => "lamp, can be dragged",
@@ -74,8 +66,10 @@ fn list(ui: &mut Ui, state: &mut State, scene: &Scene, session: &Session, out: &
         let selected = view.selected == Some(target);
         let changed = session.document.edits.placements.contains_key(&target)
             || session.document.edits.dimmers.contains_key(&target);
-        let text = format!("{icon} {name}{}", if changed { " •" } else { "" });
-        let row = ui.selectable_label(selected, text).on_hover_text(kind);
+        let text = format!("{name}{}", if changed { " •" } else { "" });
+        let hand = RichText::new(if movable { "↔" } else { "" }).weak();
+        let row = ui.selectable_label(selected, (RichText::new(mark).color(colour), text, hand));
+        let row = row.on_hover_text(kind);
         if follow && selected {
             row.scroll_to_me(Some(egui::Align::Center));
         }

@@ -82,11 +82,11 @@ pub fn show(
         if ui.button("Open…").on_hover_text("Open a scene or session (Ctrl+O)").clicked() {
             out.push(Command::Dialog(Dialog::Open));
         }
-        let undo = ui.add_enabled(session.history.can_undo(), egui::Button::new("⮪ Undo"));
+        let undo = ui.add_enabled(session.history.can_undo(), egui::Button::new("↶ Undo"));
         if undo.on_hover_text("Take the last step back (Ctrl+Z)").clicked() {
             out.push(Command::Undo);
         }
-        let redo = ui.add_enabled(session.history.can_redo(), egui::Button::new("⮫ Redo"));
+        let redo = ui.add_enabled(session.history.can_redo(), egui::Button::new("↷ Redo"));
         if redo.on_hover_text("Make the step again (Ctrl+Y)").clicked() {
             out.push(Command::Redo);
         }
