@@ -8,7 +8,6 @@ mod keys;
 
 use crate::{
     command::Command,
-    exposure::exposure,
     panels::{
         dock::{Dock, Shown},
         empty, help, menu,
@@ -126,6 +125,11 @@ impl LumenscopeApp {
         self.worker.is_busy()
     }
 
+    /// Whether the picture on screen is finished.
+    pub fn is_picture_settled(&self) -> bool {
+        self.dock.settled
+    }
+
     /// What could not be done, if it was not dismissed.
     pub fn notice(&self) -> Option<&Notice> {
         self.notice.as_ref()
@@ -155,16 +159,23 @@ impl LumenscopeApp {
             match news {
                 News::Loaded(loaded) => self.take_scene(ctx, *loaded),
                 News::Solution(solution) => {
-                    let first = self.session.solution.is_none();
                     self.session.solution = Some(solution);
                     self.lit = Some(Instant::now());
-                    if first || self.session.document.view.probe.is_some() {
-                        self.carry_out(ctx, Effect::Probe);
-                    }
+                    self.carry_out(ctx, Effect::Probe);
+                    self.carry_out(ctx, Effect::Inspect);
+                }
+                News::Plan(plan) => self.session.plan = Some(plan),
+                News::Inspection(made) => {
+                    let view = &self.session.document.view;
+                    let wanted = view.volume.shown || !view.views.is_empty();
+                    self.session.inspection = made.filter(|_| wanted);
                 }
                 News::Probe(probe) => {
                     if self.session.document.view.probe.is_some() {
                         self.session.probe = Some(probe);
+                        if !self.session.document.view.views.is_empty() {
+                            self.carry_out(ctx, Effect::Inspect);
+                        }
                     }
                 }
                 News::Reference(reference) => self.session.reference = Some(reference),
@@ -207,14 +218,10 @@ impl LumenscopeApp {
         self.notice = Some(Notice { title, text });
     }
 
+    /// Takes note of the exposure that the viewport metered, to be shown and exported.
     fn expose(&mut self) {
-        let view = &self.session.document.view;
-        let size = self.dock.viewport_size;
-        if let Some(solution) = &self.session.solution
-            && view.auto_exposure
-            && let Some(ev) = exposure(solution, &view.camera, size.x / size.y.max(1.0))
-        {
-            self.session.document.view.display.ev100 = ev;
+        if self.session.document.view.auto_exposure && self.dock.ev100.is_finite() {
+            self.session.document.view.display.ev100 = self.dock.ev100;
         }
     }
 
@@ -243,7 +250,6 @@ impl eframe::App for LumenscopeApp {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.take_news(&ctx);
-        self.expose();
         let mut out = Vec::new();
         keys::commands(&ctx, &self.session, &mut out);
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(8, 3));
@@ -267,12 +273,12 @@ impl eframe::App for LumenscopeApp {
             }
             let shown = Shown {
                 session: &self.session,
-                inspection: None,
+                inspection: self.session.inspection.as_ref(),
                 render_state: self.render_state.as_ref(),
-                solving: self.worker.is_solving(),
             };
             out.extend(self.dock.show(ui, &mut self.viewport, &shown, self.alone));
         });
+        self.expose();
         self.windows(&ctx);
         for command in out {
             self.run(&ctx, command);

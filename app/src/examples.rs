@@ -1,5 +1,6 @@
 //! The examples that come with the program.
 
+use anyhow::{Context as _, Result};
 use std::path::{Path, PathBuf};
 
 /// An example scene.
@@ -39,18 +40,72 @@ impl Example {
         }
     }
 
-    fn file(self) -> &'static str {
+    /// Its files: name, and contents built into the program.
+    fn files(self) -> [(&'static str, &'static [u8]); 2] {
         match self {
-            Self::Office => "office/office.ron",
-            Self::Cornell => "cornell/cornell.ron",
+            Self::Office => [
+                ("office.ron", include_bytes!("../../scenes/office/office.ron")),
+                ("office.glb", include_bytes!("../../scenes/office/office.glb")),
+            ],
+            Self::Cornell => [
+                ("cornell.ron", include_bytes!("../../scenes/cornell/cornell.ron")),
+                ("cornell.glb", include_bytes!("../../scenes/cornell/cornell.glb")),
+            ],
         }
+    }
+
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Office => "office",
+            Self::Cornell => "cornell",
+        }
+    }
+
+    /// Its scene file: in the source tree where there is one, else unpacked into the user's cache.
+    ///
+    /// # Errors
+    /// With the file's name, if it cannot be unpacked.
+    pub fn path(self) -> Result<PathBuf> {
+        let [(scene, _), _] = self.files();
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(self.folder()).join(scene);
+        if source.exists() {
+            return Ok(source);
+        }
+        let cache = directories::ProjectDirs::from("", "", "lumenscope")
+            .map_or_else(|| std::env::temp_dir().join("lumenscope"), |d| d.cache_dir().to_path_buf());
+        let folder = cache.join(concat!("examples-", env!("CARGO_PKG_VERSION"))).join(self.folder());
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("{}: the example cannot be unpacked", folder.display()))?;
+        for (name, bytes) in self.files() {
+            lumenscope_core::io::write_file(&folder.join(name), bytes)?;
+        }
+        Ok(folder.join(scene))
     }
 }
 
+/// The scene shown where none is asked for.
+///
+/// # Errors
+/// With the file's name, if it cannot be unpacked.
+pub fn office() -> Result<PathBuf> {
+    Example::Office.path()
+}
+
+/// The Cornell box's scene file.
+///
+/// # Errors
+/// With the file's name, if it cannot be unpacked.
+pub fn cornell() -> Result<PathBuf> {
+    Example::Cornell.path()
+}
+
 /// The file to read for a document's scene: an example's file for `example:NAME`, else the path itself.
-pub fn resolve(scene: &Path) -> PathBuf {
+///
+/// # Errors
+/// With the file's name, if an example cannot be unpacked.
+pub fn resolve(scene: &Path) -> Result<PathBuf> {
     match Example::ALL.into_iter().find(|e| Path::new(e.key()) == scene) {
-        Some(example) => Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(example.file()),
-        None => scene.to_path_buf(),
+        Some(example) => example.path(),
+        None => Ok(scene.to_path_buf()),
     }
 }

@@ -1,14 +1,15 @@
 //! Pictures and layers as files.
 
 use crate::worker::ExportRequest;
-use anyhow::{Context as _, Result, bail};
+use anyhow::Result;
 use lumenscope_core::{
+    io::{exr, png},
     math::progress::Progress,
     superposition::{
         PassSettings,
         accumulator::Accumulator,
         composite::{DirectQuality, Display, display},
-        layers::Layers,
+        layers::{Layer, Layers},
         render,
     },
 };
@@ -37,20 +38,16 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
     let layers = sum.mean();
     match &request.display {
         Some(shown) => write_png(request, &layers, shown),
-        None => bail!("{}: EXR cannot be written yet", request.path.display()),
+        None => {
+            let named: Vec<_> = Layer::ALL.iter().map(|&l| (l.name(), layers.get(l))).collect();
+            let note = format!("{}: radiance by layer, cd/m²", request.solution.scene.name);
+            Ok(exr::write_layers(&request.path, &named, &note)?)
+        }
     }
 }
 
 fn write_png(request: &ExportRequest, layers: &Layers, shown: &Display) -> Result<()> {
     let picture = layers.sum(request.weights);
-    let bytes: Vec<u8> = display(&picture, shown).into_iter().flatten().collect();
-    image::save_buffer_with_format(
-        &request.path,
-        &bytes,
-        picture.width,
-        picture.height,
-        image::ColorType::Rgba8,
-        image::ImageFormat::Png,
-    )
-    .with_context(|| format!("{}: the picture cannot be written", request.path.display()))
+    let pixels = display(&picture, shown);
+    Ok(png::write_png(&request.path, picture.width, picture.height, &pixels)?)
 }

@@ -6,7 +6,6 @@ pub mod command;
 pub mod document;
 pub mod examples;
 pub mod export;
-pub mod exposure;
 pub mod history;
 pub mod journal;
 pub mod panels;

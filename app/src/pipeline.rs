@@ -1,23 +1,40 @@
 //! What the worker does with a scene: read it, solve it, picture it. No thread and no window here.
 
-use crate::{document::Document, examples, session::Reference, session_file, widgets::Probe};
+use crate::{
+    document::Document,
+    examples,
+    session::Reference,
+    session_file,
+    widgets::Probe,
+    worker::{InspectRequest, ProbeRequest},
+};
 use anyhow::{Result, bail};
-use glam::Vec3;
 use lumenscope_core::{
-    irradiance_volume::{IrradianceVolume, VolumeSettings},
+    inspection::{InspectionScene, SphereGlyph},
+    irradiance_volume::{inspect as volume_inspect, probe::Quantity},
     math::progress::Progress,
-    radiosity::{RadiositySettings, RadiositySolution},
     reference::picture::ReferencePicture,
-    scene::{Scene, camera::Camera, import, world::World},
-    transport::{
-        LightTransportSolution,
-        solution::{Provenance, State},
+    registry::{self, ViewInput},
+    scene::{
+        Scene,
+        camera::Camera,
+        check::{self, Severity},
+        import,
+        world::World,
     },
+    superposition::plan::{DEFAULT_TOLERANCE, Plan},
+    transport::LightTransportSolution,
 };
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
+
+/// Seed of every random number in the window.
+const SEED: u64 = 1;
+
+/// Rays a bin of a probe: its bins are few, and it is looked at closely.
+const SUPERSAMPLE: u32 = 4;
 
 /// What is asked to be loaded.
 #[derive(Clone, Debug)]
@@ -59,7 +76,10 @@ pub fn load(source: Source, progress: &Progress) -> Result<Loaded> {
         Source::Document(document) | Source::Models(document) => (*document, None, false),
     };
     let Some(path) = &document.scene else { bail!("the session names no scene") };
-    let scene = read_scene(&examples::resolve(path), &document.added)?;
+    let mut scene = read_scene(&examples::resolve(path)?, &document.added)?;
+    progress.begin("checking");
+    let findings = check::check(&scene).into_iter().filter(|f| f.severity == Severity::Warning);
+    scene.warnings.extend(findings.map(|f| f.to_string()));
     progress.report(1.0)?;
     Ok(Loaded { document, session_file, scene: Arc::new(scene), fresh, added_only })
 }
@@ -72,54 +92,79 @@ fn read_scene(path: &Path, added: &[PathBuf]) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Solves a scene, publishing what can be shown on the way: first the light on surfaces, then with the
-/// light in the air.
-///
-/// # Errors
-/// If the scene cannot be solved or the work was cancelled.
-pub fn solve(
-    scene: &Arc<Scene>,
-    revision: u64,
-    progress: &Progress,
-    publish: &mut dyn FnMut(LightTransportSolution),
-) -> Result<()> {
-    progress.begin("sorting triangles");
-    let world = Arc::new(World::new(scene));
-    progress.begin("radiosity");
-    progress.report(0.0)?;
-    let radiosity = Arc::new(RadiositySolution::solve(&world, &RadiositySettings::default(), progress)?);
-    let mut solution = LightTransportSolution {
-        scene: Arc::clone(scene),
-        world,
-        radiosity,
-        volume: None,
-        moved_objects: Vec::new(),
-        provenance: Provenance { revision, state: State::Refining, ..Provenance::default() },
-    };
-    publish(solution.clone());
-    let volume =
-        IrradianceVolume::build(&solution.world, &*solution.radiosity, &VolumeSettings::default(), progress)?;
-    solution.volume = Some(Arc::new(volume));
-    solution.provenance.state = State::Settled;
-    publish(solution);
-    Ok(())
+/// What a scene needs, planned from what is in it.
+pub fn plan(scene: &Scene) -> Plan {
+    Plan::new(scene, &World::new(scene), DEFAULT_TOLERANCE, SEED)
 }
 
-/// Rays into each bin of a probe.
-const PROBE_RAYS: u32 = 4;
+/// Whether a solution of `solved` can follow to `scene`: the same things, placed or dimmed otherwise.
+pub fn can_follow(solved: &Scene, scene: &Scene) -> bool {
+    let same_meshes = solved.meshes.iter().zip(&scene.meshes).all(|(a, b)| Arc::ptr_eq(a, b));
+    same_meshes
+        && solved.meshes.len() == scene.meshes.len()
+        && solved.objects.len() == scene.objects.len()
+        && solved.lamps.len() == scene.lamps.len()
+}
 
 /// Light at one point in the air, for every direction.
 ///
 /// # Errors
-/// If the work was cancelled.
+/// If a setting is out of range or the work was cancelled.
 pub fn probe(
     solution: &LightTransportSolution,
-    position: Vec3,
-    _normal: Vec3,
-    n: u32,
-    _progress: &Progress,
+    request: &ProbeRequest,
+    progress: &Progress,
 ) -> Result<Probe> {
-    Ok(Probe::at(&solution.world, &*solution.radiosity, position, n, PROBE_RAYS, 1)?)
+    /// How far off the surface the spheres stand, m: enough to see past the surface's own grain.
+    const LIFT_M: f32 = 0.002;
+    progress.begin("spheres");
+    progress.report(0.0)?;
+    let position = request.position + request.normal * LIFT_M;
+    Ok(Probe::at(&solution.world, &*solution.radiosity, position, request.n, SUPERSAMPLE, SEED)?)
+}
+
+/// What the views switched on put into the scene; `None` when none is.
+pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
+    let (low, high) = request.solution.world.geometry.bounds();
+    let shown = &request.volume;
+    let volume = volume_inspect::VolumeView {
+        quantity: if shown.radiance { Quantity::Radiance } else { Quantity::Irradiance },
+        part: shown.part,
+        first_level: shown.first_level,
+        second_level: shown.second_level,
+        invalid: false,
+        size: shown.size,
+        slice: shown.slice.map(|(axis, share)| {
+            let a = usize::from(axis.min(2));
+            (axis, low[a] + share.clamp(0.0, 1.0) * (high[a] - low[a]))
+        }),
+    };
+    let input = ViewInput { solution: &request.solution, probe: request.probe.as_deref(), volume: &volume };
+    let spheres = shown.shown.then_some(SPHERES);
+    let ids = spheres.into_iter().chain(request.views.iter().map(String::as_str).filter(|v| *v != SPHERES));
+    ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
+}
+
+/// The view that the volume's own switch shows.
+pub const SPHERES: &str = "irradiance_volume.spheres";
+
+/// Two views at once: spheres need one layout of bins and colours one legend, so the first has the say.
+fn merge(mut first: InspectionScene, second: InspectionScene) -> InspectionScene {
+    if first.bins.is_none() || first.bins == second.bins {
+        let shift = first.sphere_bins.len() as u32;
+        first.bins = first.bins.or(second.bins);
+        first
+            .spheres
+            .extend(second.spheres.into_iter().map(|s| SphereGlyph { first_bin: s.first_bin + shift, ..s }));
+        first.sphere_bins.extend(second.sphere_bins);
+    }
+    first.meshes.extend(second.meshes);
+    first.lines.extend(second.lines);
+    first.images.extend(second.images);
+    first.curves.extend(second.curves);
+    first.notes.extend(second.notes);
+    first.legend = first.legend.or(second.legend);
+    first
 }
 
 /// A reference picture in the making.
@@ -133,7 +178,7 @@ impl ReferenceWork {
 
     /// Begins a picture.
     pub fn new(world: &Arc<World>, camera: Camera, [width, height]: [u32; 2]) -> Self {
-        Self { picture: ReferencePicture::new(Arc::clone(world), camera, width, height, 1) }
+        Self { picture: ReferencePicture::new(Arc::clone(world), camera, width, height, SEED) }
     }
 
     /// Whether it has all its samples.

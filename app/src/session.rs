@@ -15,8 +15,10 @@ use crate::{
     widgets::Probe,
 };
 use lumenscope_core::{
+    inspection::InspectionScene,
     math::image::LinearImage,
     scene::{Scene, Target},
+    superposition::plan::Plan,
     transport::LightTransportSolution,
 };
 use std::{path::PathBuf, sync::Arc};
@@ -40,6 +42,10 @@ pub struct Session {
     pub reference: Option<Reference>,
     /// The open spheres.
     pub probe: Option<Arc<Probe>>,
+    /// What the scene needs, and why.
+    pub plan: Option<Arc<Plan>>,
+    /// What the views switched on put into the scene.
+    pub inspection: Option<Arc<InspectionScene>>,
     /// What happened.
     pub log: Journal,
     saved: Document,
@@ -70,6 +76,8 @@ pub enum Effect {
     },
     /// The probe moved: sample it anew.
     Probe,
+    /// Make what the views show.
+    Inspect,
     /// Path-trace the view, from the start if the view or scene changed.
     Reference,
     /// Forget the reference.
@@ -144,6 +152,8 @@ impl Session {
         self.solution = None;
         self.reference = None;
         self.probe = None;
+        self.plan = None;
+        self.inspection = None;
     }
 
     /// Takes the same document with models added: the edits and their history stay.
@@ -263,6 +273,9 @@ impl Session {
                 self.probe = None;
             }
             effects.push(Effect::Probe);
+        }
+        if view.volume != old.volume || view.views != old.views {
+            effects.push(Effect::Inspect);
         }
         let moved = view.camera != old.camera;
         let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;

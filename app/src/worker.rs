@@ -8,15 +8,16 @@ mod bench;
 
 use crate::{
     pipeline::{Loaded, Source},
-    session::Reference,
+    session::{Reference, VolumeView},
     widgets::Probe,
 };
 use bench::Bench;
 use glam::Vec3;
 use lumenscope_core::{
+    inspection::InspectionScene,
     math::progress::Progress,
     scene::{Scene, camera::Camera},
-    superposition::composite::Display,
+    superposition::{composite::Display, plan::Plan},
     transport::LightTransportSolution,
 };
 use std::{
@@ -33,8 +34,12 @@ pub enum News {
     Loaded(Box<Loaded>),
     /// There is better light for the scene.
     Solution(Arc<LightTransportSolution>),
+    /// What the scene needs was planned.
+    Plan(Arc<Plan>),
     /// A probe was sampled.
     Probe(Arc<Probe>),
+    /// What the views show was made.
+    Inspection(Option<Arc<InspectionScene>>),
     /// The reference has more samples.
     Reference(Reference),
     /// A file was written.
@@ -54,6 +59,19 @@ pub struct ProbeRequest {
     pub normal: Vec3,
     /// Rows of bins a hemisphere.
     pub n: u32,
+}
+
+/// Views whose contents are wanted.
+#[derive(Clone)]
+pub struct InspectRequest {
+    /// The light.
+    pub solution: Arc<LightTransportSolution>,
+    /// The open spheres.
+    pub probe: Option<Arc<Probe>>,
+    /// How the volume is shown.
+    pub volume: VolumeView,
+    /// Ids of the views switched on.
+    pub views: Vec<String>,
 }
 
 /// A picture wanted from the path tracer.
@@ -93,14 +111,26 @@ pub struct Job {
     pub progress: Progress,
     /// When it began.
     pub began: Instant,
-    preemptible: bool,
+    yields_to: Rank,
+}
+
+/// What a request may interrupt: jobs that yield to its rank or to one below it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Stop,
+    Light,
+    Probe,
+    Inspect,
+    Any,
 }
 
 #[derive(Default)]
 struct Slots {
     load: Option<Source>,
     scene: Option<(Arc<Scene>, bool)>,
+    refine: bool,
     probe: Option<ProbeRequest>,
+    inspect: Option<InspectRequest>,
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
     job: Option<Job>,
@@ -151,7 +181,7 @@ impl Worker {
     /// Whether the light of the newest scene is still on its way.
     pub fn is_solving(&self) -> bool {
         let slots = self.shared.slots();
-        slots.scene.is_some() || slots.job.as_ref().is_some_and(|j| j.name == LIGHT)
+        slots.scene.is_some() || slots.refine || slots.job.as_ref().is_some_and(|j| j.name == LIGHT)
     }
 
     /// Whether anything is at work or waiting.
@@ -160,56 +190,66 @@ impl Worker {
         slots.job.is_some()
             || slots.load.is_some()
             || slots.scene.is_some()
+            || slots.refine
             || slots.probe.is_some()
+            || slots.inspect.is_some()
             || !slots.exports.is_empty()
     }
 
     /// Loads; whatever is at work is given up.
     pub fn load(&self, source: Source) {
-        self.put(true, |slots| {
+        self.put(Rank::Stop, |slots| {
             slots.load = Some(source);
             slots.scene = None;
+            slots.refine = false;
             slots.probe = None;
+            slots.inspect = None;
             slots.reference = Some(None);
         });
     }
 
     /// Lets the light follow a scene; `dragging` while more of the same is to come.
     pub fn follow(&self, scene: Arc<Scene>, dragging: bool) {
-        self.put(false, |slots| slots.scene = Some((scene, dragging)));
+        self.put(Rank::Light, |slots| slots.scene = Some((scene, dragging)));
     }
 
     /// Samples a probe.
     pub fn probe(&self, request: ProbeRequest) {
-        self.put(false, |slots| slots.probe = Some(request));
+        self.put(Rank::Probe, |slots| slots.probe = Some(request));
+    }
+
+    /// Makes what the views show.
+    pub fn inspect(&self, request: InspectRequest) {
+        self.put(Rank::Inspect, |slots| slots.inspect = Some(request));
     }
 
     /// Starts, resumes or (with `None`) forgets the reference picture.
     pub fn reference(&self, request: Option<ReferenceRequest>) {
-        self.put(false, |slots| slots.reference = Some(request));
+        self.put(Rank::Any, |slots| slots.reference = Some(request));
     }
 
     /// Writes a picture or its layers.
     pub fn export(&self, request: ExportRequest) {
-        self.put(false, |slots| slots.exports.push_back(request));
+        self.put(Rank::Any, |slots| slots.exports.push_back(request));
     }
 
     /// Gives up whatever is at work or waiting.
     pub fn cancel(&self) {
-        self.put(true, |slots| {
+        self.put(Rank::Stop, |slots| {
             slots.load = None;
             slots.scene = None;
+            slots.refine = false;
             slots.probe = None;
             slots.exports.clear();
             slots.reference = Some(None);
         });
     }
 
-    fn put(&self, stop: bool, change: impl FnOnce(&mut Slots)) {
+    fn put(&self, rank: Rank, change: impl FnOnce(&mut Slots)) {
         let mut slots = self.shared.slots();
         change(&mut slots);
         if let Some(job) = &slots.job
-            && (stop || job.preemptible)
+            && rank <= job.yields_to
         {
             job.progress.cancel();
         }
@@ -219,7 +259,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.put(true, |slots| slots.quit = true);
+        self.put(Rank::Stop, |slots| slots.quit = true);
         if let Some(thread) = self.thread.take() {
             // A panic there has been reported as news; nobody is left to hear another.
             let _ = thread.join();

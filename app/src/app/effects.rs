@@ -6,7 +6,7 @@ use crate::{
     pipeline::Source,
     session::Effect,
     session_file,
-    worker::{ExportRequest, ProbeRequest, ReferenceRequest},
+    worker::{ExportRequest, InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use egui::ViewportCommand;
 use lumenscope_core::superposition::composite::DirectQuality;
@@ -44,6 +44,7 @@ impl LumenscopeApp {
                     self.worker.probe(ProbeRequest { position, normal, n: view.probe_bins_n });
                 }
             }
+            Effect::Inspect => self.inspect(),
             Effect::Reference => {
                 let size = self.picture_size(REFERENCE_WIDTH);
                 let camera = self.session.document.view.camera;
@@ -57,6 +58,21 @@ impl LumenscopeApp {
             Effect::Dialog(dialog) => self.ask(dialog, ctx),
             Effect::Window(window) => self.change_window(window, ctx),
         }
+    }
+
+    fn inspect(&mut self) {
+        let view = &self.session.document.view;
+        let Some(solution) = self.session.solution.clone() else { return };
+        if !view.volume.shown && view.views.is_empty() {
+            self.session.inspection = None;
+            return;
+        }
+        self.worker.inspect(InspectRequest {
+            solution,
+            probe: self.session.probe.clone(),
+            volume: view.volume.clone(),
+            views: view.views.clone(),
+        });
     }
 
     fn picture_size(&self, width: u32) -> [u32; 2] {

@@ -60,8 +60,6 @@ pub struct Shown<'a> {
     pub inspection: Option<&'a Arc<InspectionScene>>,
     /// The window's wgpu device.
     pub render_state: Option<&'a egui_wgpu::RenderState>,
-    /// Whether better light is on its way.
-    pub solving: bool,
 }
 
 /// The layout, and what panels remember between frames.
@@ -73,6 +71,10 @@ pub struct Dock {
     pub pick: Option<Pick>,
     /// Size of the viewport in points.
     pub viewport_size: egui::Vec2,
+    /// Whether the picture is finished: nothing better is on its way.
+    pub settled: bool,
+    /// Exposure value the picture was last shown with.
+    pub ev100: f32,
 }
 
 impl Default for Dock {
@@ -83,6 +85,8 @@ impl Default for Dock {
             log: log::State::default(),
             pick: None,
             viewport_size: egui::vec2(640.0, 400.0),
+            settled: false,
+            ev100: f32::NAN,
         }
     }
 }
@@ -108,6 +112,8 @@ impl Dock {
             log: &mut self.log,
             pick: &mut self.pick,
             size: &mut self.viewport_size,
+            settled: &mut self.settled,
+            ev100: &mut self.ev100,
             out: Vec::new(),
         };
         if alone {
@@ -152,6 +158,8 @@ struct Frame<'a, 'b> {
     log: &'a mut log::State,
     pick: &'a mut Option<Pick>,
     size: &'a mut egui::Vec2,
+    settled: &'a mut bool,
+    ev100: &'a mut f32,
     out: Vec<Command>,
 }
 
@@ -173,6 +181,8 @@ impl Frame<'_, '_> {
             },
         );
         self.out.extend(output.commands);
+        *self.ev100 = output.ev100;
+        *self.settled = output.settled;
         if output.pick.is_some() {
             *self.pick = output.pick;
         }

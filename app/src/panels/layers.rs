@@ -43,6 +43,7 @@ fn explain(layer: Layer) -> (&'static str, &'static str) {
 }
 
 fn layers(ui: &mut Ui, view: &mut View) {
+    ui.spacing_mut().slider_width = 74.0;
     Grid::new("layers").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
         for layer in Layer::ALL {
             let index = layer as usize;

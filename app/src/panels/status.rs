@@ -26,6 +26,8 @@ pub enum Badge {
     Settled,
     /// Right but coarse, or on its way to a changed scene.
     Refining,
+    /// Right but coarse, and stopped there.
+    Coarse,
     /// The scene has changed since.
     Stale,
 }
@@ -41,7 +43,7 @@ impl Badge {
             (Some(_), Some(_)) if !session.is_lit_as_edited() => Self::Stale,
             (Some(_), Some(solution)) => match solution.provenance.state {
                 State::Settled => Self::Settled,
-                State::Refining => Self::Refining,
+                State::Refining => Self::Coarse,
                 State::Stale => Self::Stale,
             },
         }
@@ -55,6 +57,7 @@ impl Badge {
             Self::Unlit => "unlit",
             Self::Settled => "settled",
             Self::Refining => "refining",
+            Self::Coarse => "coarse",
             Self::Stale => "stale",
         }
     }
@@ -62,7 +65,7 @@ impl Badge {
     fn colour(self, ui: &Ui) -> Color32 {
         match self {
             Self::Settled => Color32::from_rgb(106, 176, 116),
-            Self::Refining | Self::Solving => crate::theme::accent(ui.visuals()),
+            Self::Refining | Self::Solving | Self::Coarse => crate::theme::accent(ui.visuals()),
             Self::Stale | Self::Unlit => ui.visuals().error_fg_color,
             Self::Empty => ui.visuals().weak_text_color(),
         }
@@ -155,6 +158,7 @@ fn badge_ui(ui: &mut Ui, badge: Badge, age: Option<Duration>) {
         "Whether the light on screen belongs to the scene as it stands, and how old it is.\n\
          settled: as good as the plan asks\n\
          refining: better light is on its way\n\
+         coarse: right, but stopped before it was refined\n\
          stale: the scene has changed since",
     );
 }

@@ -3,16 +3,11 @@
 use super::{edit_view, section};
 use crate::{
     command::Command,
+    pipeline::SPHERES,
     session::{Session, VolumeView},
 };
 use egui::{ComboBox, Grid, Slider, Ui};
-use lumenscope_core::{
-    inspection::InspectionScene,
-    math::{
-        false_colour::{FalseColour, Palette},
-        part::Part,
-    },
-};
+use lumenscope_core::{inspection::InspectionScene, math::part::Part, registry::VIEWS};
 use std::sync::Arc;
 
 /// Shows the views with their settings and their legend.
@@ -30,20 +25,21 @@ pub fn show(
         );
         ui.add_enabled_ui(view.volume.shown, |ui| volume(ui, &mut view.volume));
     });
+    section(ui, "Inside the light");
+    edit_view(&session.document.view, out, |view| {
+        for row in VIEWS.iter().filter(|r| r.id != SPHERES) {
+            let mut on = view.views.iter().any(|v| v == row.id);
+            if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
+                view.views.retain(|v| v != row.id);
+                if on {
+                    view.views.push(row.id.to_owned());
+                }
+            }
+        }
+    });
     let Some(inspection) = inspection else { return };
-    if let Some(legend) = &inspection.legend {
-        section(ui, "Legend");
-        let [low, high] = legend.range;
-        let colours = session.document.view.display.false_colour.unwrap_or(FalseColour {
-            palette: Palette::Viridis,
-            low,
-            high,
-            logarithmic: false,
-        });
-        crate::widgets::legend::show(ui, legend, &colours);
-    }
     for note in &inspection.notes {
-        ui.weak(note);
+        ui.add(egui::Label::new(egui::RichText::new(note).weak().small()).wrap());
     }
 }
 

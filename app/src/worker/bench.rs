@@ -1,12 +1,15 @@
 //! The thread behind the worker: takes what is wanted most and does it.
 
-use super::{ExportRequest, Job, LIGHT, News, ProbeRequest, ReferenceRequest, Shared, Slots, Source};
+use super::{
+    ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared, Slots,
+    Source,
+};
 use crate::{export, pipeline};
 use anyhow::Result;
 use lumenscope_core::{
     math::progress::{Cancelled, Progress},
     scene::Scene,
-    transport::LightTransportSolution,
+    transport::{LightTransportSolution, live::LiveTransport},
 };
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -17,7 +20,9 @@ use std::{
 enum Task {
     Load(Source),
     Light(Arc<Scene>, bool),
+    Refine,
     Probe(ProbeRequest),
+    Inspect(Box<InspectRequest>),
     Export(Box<ExportRequest>),
     Reference(Option<ReferenceRequest>),
     MoreSamples,
@@ -28,14 +33,14 @@ pub(super) struct Bench {
     shared: Arc<Shared>,
     news: Sender<News>,
     wake: Box<dyn Fn() + Send>,
+    live: Option<LiveTransport>,
     solution: Option<Arc<LightTransportSolution>>,
     reference: Option<pipeline::ReferenceWork>,
-    revision: u64,
 }
 
 impl Bench {
     pub(super) fn new(shared: Arc<Shared>, news: Sender<News>, wake: Box<dyn Fn() + Send>) -> Self {
-        Self { shared, news, wake, solution: None, reference: None, revision: 0 }
+        Self { shared, news, wake, live: None, solution: None, reference: None }
     }
 
     /// Works until told to quit.
@@ -44,9 +49,19 @@ impl Bench {
             match task {
                 Task::Load(source) => self.load(source),
                 Task::Light(scene, dragging) => self.light(&scene, dragging),
-                Task::Probe(request) => self.probe(request),
+                Task::Refine => self.refine(),
+                Task::Probe(request) => self.probe(&request),
+                Task::Inspect(request) => {
+                    let made = self.job("Making the views", Rank::Inspect, |_, progress| {
+                        progress.begin("views");
+                        Ok(pipeline::inspect(&request).map(Arc::new))
+                    });
+                    if let Some(made) = made {
+                        self.tell(News::Inspection(made));
+                    }
+                }
                 Task::Export(request) => {
-                    if let Some(()) = self.job("Exporting", false, |_, p| export::write(&request, p)) {
+                    if let Some(()) = self.job("Exporting", Rank::Stop, |_, p| export::write(&request, p)) {
                         self.tell(News::Written(request.path));
                     }
                 }
@@ -82,45 +97,88 @@ impl Bench {
         {
             return Some(Task::Probe(request));
         }
+        if let Some(request) = slots.inspect.take() {
+            return Some(Task::Inspect(Box::new(request)));
+        }
+        if std::mem::take(&mut slots.refine) {
+            return Some(Task::Refine);
+        }
         if let Some(request) = slots.exports.pop_front() {
             return Some(Task::Export(Box::new(request)));
         }
-        if let Some(request) = slots.reference.take() {
+        if self.solution.is_some()
+            && let Some(request) = slots.reference.take()
+        {
             return Some(Task::Reference(request));
         }
         self.reference.as_ref().is_some_and(|r| !r.is_done()).then_some(Task::MoreSamples)
     }
 
     fn load(&mut self, source: Source) {
-        if let Some(loaded) = self.job("Opening", false, |_, progress| pipeline::load(source, progress)) {
+        if let Some(loaded) = self.job("Opening", Rank::Stop, |_, progress| pipeline::load(source, progress))
+        {
+            self.live = None;
             self.solution = None;
             self.reference = None;
             self.tell(News::Loaded(Box::new(loaded)));
         }
     }
 
-    fn light(&mut self, scene: &Arc<Scene>, _dragging: bool) {
-        self.revision += 1;
-        let revision = self.revision;
-        let mut newest = None;
-        self.job(LIGHT, false, |bench, progress| {
-            pipeline::solve(scene, revision, progress, &mut |solution| {
-                let solution = Arc::new(solution);
-                newest = Some(Arc::clone(&solution));
-                bench.tell(News::Solution(solution));
-            })
-        });
-        if newest.is_some() {
-            self.solution = newest;
+    fn light(&mut self, scene: &Arc<Scene>, dragging: bool) {
+        let can_follow = |l: &LiveTransport| pipeline::can_follow(&l.current().scene, scene);
+        match self.live.take().filter(can_follow) {
+            Some(mut live) => {
+                let light = self.job(LIGHT, Rank::Stop, |_, progress| {
+                    progress.begin("following");
+                    Ok(Arc::new(live.follow(Arc::clone(scene)).clone()))
+                });
+                // After a fault the transport is not to be trusted: the next change solves anew.
+                if let Some(light) = light {
+                    self.live = Some(live);
+                    self.show(light);
+                }
+                self.shared.slots().refine = !dragging && self.live.is_some();
+            }
+            None => {
+                let live = self.job(LIGHT, Rank::Stop, |bench, progress| {
+                    progress.begin("planning");
+                    let plan = pipeline::plan(scene);
+                    bench.tell(News::Plan(Arc::new(plan.clone())));
+                    Ok(LiveTransport::solve(Arc::clone(scene), plan.solve, progress, &mut |light| {
+                        bench.tell(News::Solution(Arc::new(light.clone())));
+                    })?)
+                });
+                self.solution = live.as_ref().map(|l| Arc::new(l.current().clone()));
+                self.live = live;
+            }
         }
     }
 
-    fn probe(&mut self, request: ProbeRequest) {
+    /// One step towards settled light. Interrupted, it is asked for again by what interrupted it.
+    fn refine(&mut self) {
+        let Some(mut live) = self.live.take() else { return };
+        let refined = self.job(LIGHT, Rank::Light, |_, progress| {
+            progress.begin("refining");
+            Ok(live.refine(progress)?.map(|light| Arc::new(light.clone())))
+        });
+        self.live = Some(live);
+        if let Some(Some(light)) = refined {
+            self.shared.slots().refine = true;
+            self.show(light);
+        }
+    }
+
+    fn show(&mut self, light: Arc<LightTransportSolution>) {
+        self.solution = Some(Arc::clone(&light));
+        self.tell(News::Solution(light));
+    }
+
+    fn probe(&mut self, request: &ProbeRequest) {
         let Some(solution) = self.solution.clone() else { return };
-        let ProbeRequest { position, normal, n } = request;
-        if let Some(probe) = self.job("Sampling the spheres", true, |_, progress| {
-            pipeline::probe(&solution, position, normal, n, progress)
-        }) {
+        let sampled = self.job("Sampling the spheres", Rank::Probe, |_, progress| {
+            pipeline::probe(&solution, request, progress)
+        });
+        if let Some(probe) = sampled {
             self.tell(News::Probe(Arc::new(probe)));
         }
     }
@@ -136,7 +194,7 @@ impl Bench {
 
     fn more_samples(&mut self) {
         let Some(mut work) = self.reference.take() else { return };
-        let done = self.job("Path tracing the reference", true, |_, progress| work.more(progress));
+        let done = self.job("Path tracing the reference", Rank::Any, |_, progress| work.more(progress));
         if let Some(picture) = done {
             self.tell(News::Reference(picture));
         }
@@ -147,11 +205,11 @@ impl Bench {
     fn job<T>(
         &mut self,
         name: &'static str,
-        preemptible: bool,
+        yields_to: Rank,
         work: impl FnOnce(&Self, &Progress) -> Result<T>,
     ) -> Option<T> {
         let progress = Progress::default();
-        let job = Job { name, progress: progress.clone(), began: Instant::now(), preemptible };
+        let job = Job { name, progress: progress.clone(), began: Instant::now(), yields_to };
         self.shared.slots().job = Some(job);
         let bench = &*self;
         let outcome = catch_unwind(AssertUnwindSafe(|| work(bench, &progress)));
@@ -159,7 +217,7 @@ impl Bench {
         (self.wake)();
         match outcome {
             Ok(Ok(value)) => return Some(value),
-            Ok(Err(_)) if progress.is_cancelled() && preemptible => {}
+            Ok(Err(_)) if progress.is_cancelled() && yields_to > Rank::Stop => {}
             Ok(Err(error)) if progress.is_cancelled() || error.is::<Cancelled>() => {
                 self.tell(News::Cancelled(name));
             }
