@@ -24,7 +24,7 @@ pub fn window_or_files(file: Option<PathBuf>, common: &Common) -> anyhow::Result
     let folder = Path::new(FOLDER);
     solve::output_folder(folder)?;
     let file = file.unwrap_or_else(|| Example::Office.key().into());
-    let loaded = solve::load(&examples::resolve(&file), common)?;
+    let loaded = solve::load(&examples::resolve(&file)?, common)?;
     let solution = solve::solve(&loaded, true)?;
     let (layers, _) = render::picture(&solution, [1280, 720], 8, Backend::Auto, common.seed)?;
     render::write_layers(&folder.join("layers.exr"), &layers)?;

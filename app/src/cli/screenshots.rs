@@ -41,7 +41,7 @@ const SIZE: [u32; 2] = [960, 540];
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     for example in Example::ALL {
-        let path = examples::resolve(Path::new(example.key()));
+        let path = examples::resolve(Path::new(example.key()))?;
         let folder = options.out.join(path.file_stem().unwrap_or_default());
         solve::output_folder(&folder)?;
         let loaded = solve::load(&path, common)?;
