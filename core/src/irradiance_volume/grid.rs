@@ -184,7 +184,7 @@ pub fn cells_with_geometry(low: Vec3, high: Vec3, size: UVec3, triangles: &[[Vec
     let last = size.as_ivec3() - IVec3::ONE;
     let reached = |triangle: &[Vec3; 3]| {
         let (a, b) = bounds(triangle);
-        let from = ((a - low) / cell).floor().as_ivec3().max(IVec3::ZERO);
+        let from = ((a - low) / cell).floor().as_ivec3().clamp(IVec3::ZERO, last);
         let to = ((b - low) / cell).floor().as_ivec3().min(last);
         let mut found = Vec::new();
         for z in from.z..=to.z {

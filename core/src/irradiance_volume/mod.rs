@@ -150,11 +150,11 @@ impl IrradianceVolume {
 }
 
 impl SurfaceLight for RadiositySolution {
-    fn element_at(&self, _triangle: u32, _barycentric: Vec2, _back: bool) -> u32 {
-        solve::NO_ELEMENT
+    fn element_at(&self, triangle: u32, barycentric: Vec2, back: bool) -> u32 {
+        self.element_at(triangle, barycentric, back)
     }
 
     fn radiosity(&self) -> &[Vec3] {
-        &[]
+        self.radiosity()
     }
 }

@@ -1,7 +1,10 @@
 //! What a volume is built with, and what can go wrong.
 
 use super::grid::{BilevelGrid, cells_with_geometry};
-use crate::{math::progress::Cancelled, scene::world::World};
+use crate::{
+    math::progress::Cancelled,
+    scene::{emitters::Emitter, lamp::LampKind, world::World},
+};
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
 
@@ -84,6 +87,17 @@ pub enum VolumeError {
     },
 }
 
+/// Luminous triangles, and the positions of lamps as triangles without extent.
+fn emitter_triangles(world: &World) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+    world.emitters.list.iter().flat_map(|emitter| match emitter {
+        Emitter::Lamp { lamp, .. } => match lamp.kind {
+            LampKind::Directional { .. } => Vec::new(),
+            _ => vec![[lamp.position(); 3]],
+        },
+        Emitter::Area(area) => area.triangles.iter().map(|&t| world.geometry.positions[t as usize]).collect(),
+    })
+}
+
 impl VolumeSettings {
     /// Checks every range.
     ///
@@ -112,7 +126,7 @@ impl VolumeSettings {
         Ok(())
     }
 
-    /// The grid for a scene.
+    /// The grid for a scene; cells with geometry, and cells with an emitter or next to one, are refined.
     ///
     /// It spans the bounds less 5 cm, or 2 % of an axis where that is smaller, on each side. Where no
     /// number of samples is given, cells are near cubes, as small as `target_samples` allows but with
