@@ -5,7 +5,13 @@ use super::{
     codec::{SCALE, Texel, decode_rgb},
     grid::trilinear,
 };
-use crate::math::part::Part;
+use crate::{
+    math::part::Part,
+    scene::{
+        direct::{Receiver, total_irradiance},
+        world::World,
+    },
+};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -57,6 +63,27 @@ impl IrradianceVolume {
             }
             sum
         })
+    }
+
+    /// Irradiance with the direct light evaluated at the point itself by `shadow_rays` rays an emitter, and
+    /// only the indirect part from the volume, lx per channel: how moved objects are lit in the picture.
+    ///
+    /// Interpolation blurs shadow edges over a cell and misses the 1/d² of a lamp nearby; this does neither.
+    pub fn irradiance_exact_direct(
+        &self,
+        world: &World,
+        receiver: &Receiver,
+        part: Part,
+        shadow_rays: u32,
+        scramble: u32,
+    ) -> Vec3 {
+        let indirect = || self.irradiance(receiver.position, receiver.normal, Part::Indirect);
+        let direct = || total_irradiance(world, receiver, shadow_rays, scramble);
+        match part {
+            Part::Direct => direct(),
+            Part::Indirect => indirect(),
+            Part::All => direct() + indirect(),
+        }
     }
 
     /// Many queries (position, unit normal) at once, on all threads.

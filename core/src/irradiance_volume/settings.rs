@@ -148,7 +148,15 @@ impl VolumeSettings {
         let inset = (0.02 * (high - low)).min(Vec3::splat(0.05));
         let (low, high) = (low + inset, high - inset);
         let make = |samples: UVec3| {
-            let flags = cells_with_geometry(low, high, samples - UVec3::ONE, &world.geometry.positions);
+            let size = samples - UVec3::ONE;
+            let mut flags = cells_with_geometry(low, high, size, &world.geometry.positions);
+            // Near an emitter light changes fastest, and emitters like to sit on walls, outside the grid.
+            let skin = 0.01 * (high - low) / size.as_vec3();
+            let near: Vec<[Vec3; 3]> =
+                emitter_triangles(world).map(|t| t.map(|p| p.clamp(low + skin, high - skin))).collect();
+            for (flag, holds) in flags.iter_mut().zip(cells_with_geometry(low, high, size, &near)) {
+                *flag |= holds;
+            }
             BilevelGrid::new(low, high, samples, self.second_level, &flags)
         };
         if let Some(samples) = self.samples {
