@@ -19,7 +19,7 @@ const LARGEST: f32 = f32::from_bits(((127 + 32) << 23) | (0x3FF << 13));
 
 /// Code of a value; less than 2⁻³⁰ and NaN become 0, more than the largest becomes the largest.
 pub fn encode(value: f32) -> u16 {
-    let v = value.max(0.0).min(LARGEST);
+    let v = if value > 0.0 { value.min(LARGEST) } else { 0.0 };
     let bits = (v * INVERSE_SCALE).to_bits();
     let rounded = (bits + 0x0FFF + ((bits >> 13) & 1)) >> 13;
     if v < SMALLEST { 0 } else { rounded as u16 }

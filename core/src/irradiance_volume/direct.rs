@@ -186,7 +186,7 @@ impl Leaves<'_> {
         let direction = vector.normalize_or_zero().as_vec3();
         let radiance = self.radiance((corners[0] + corners[1] + corners[2]) / 3.0);
         let normal_irradiance = radiance * vector.length() as f32;
-        if !direction.is_finite() || !(normal_irradiance.max_element() > 0.0) {
+        if !(direction.is_finite() && normal_irradiance.is_finite()) || normal_irradiance == Vec3::ZERO {
             return;
         }
         let ray = Ray::between(self.position, self.position + centre);

@@ -84,7 +84,10 @@ fn square(d: Vec3) -> (Vec2, u32) {
     let (long, short) = if ax > az { (ax, az) } else { (az, ax) };
     let minor = radius * eighth_turns(short / long.max(f32::MIN_POSITIVE));
     let (px, pz) = if ax > az { (radius, minor) } else { (minor, radius) };
-    let place = |p: f32, sign: f32| (0.5 + 0.5 * p.copysign(sign)).max(0.0).min(1.0);
+    let place = |p: f32, sign: f32| {
+        let q = 0.5 + 0.5 * p.copysign(sign);
+        if q > 0.0 { q.min(1.0) } else { 0.0 }
+    };
     (Vec2::new(place(px, d.x), place(pz, d.z)), lower)
 }
 
@@ -97,4 +100,4 @@ fn eighth_turns(t: f32) -> f32 {
 
 /// Least-squares fit at Chebyshev points of atan(√s) / √s · 4/π over s in [0, 1].
 const ATAN: [f32; 7] =
-    [1.27323869, -0.42432458, 0.25311839, -0.17163785, 0.10662306, -0.04698079, 0.00996371];
+    [1.273_238_7, -0.424_324_58, 0.253_118_4, -0.171_637_86, 0.106_623_06, -0.046_980_79, 0.009_963_71];

@@ -140,10 +140,11 @@ impl Quadrature {
         }
 
         for a in 0..quarter {
+            let part = std::array::from_fn::<&Lanes, 4, _>(|parity| &parts[parity][a]);
             for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
                 let (w, scale) = (self.centres[image], self.scale[image]);
                 for lane in 0..LANES {
-                    let even: f32 = (0..4).map(|parity| sign(parity, i) * parts[parity][a][lane]).sum();
+                    let even: f32 = (0..4).map(|parity| sign(parity, i) * part[parity][lane]).sum();
                     let odd = w.x * vector[0][lane] + w.y * vector[1][lane] + w.z * vector[2][lane];
                     out[image][lane] = (scale * (even + odd)).max(0.0);
                     out[2 * side - 1 - image][lane] = (scale * (even - odd)).max(0.0);
@@ -161,7 +162,7 @@ fn images(column: usize, row: usize, n: usize) -> [usize; 4] {
 
 /// Sign that image `i` has in a part of the given parity.
 const fn sign(parity: usize, i: usize) -> f32 {
-    if (parity & i).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+    if matches!(parity & i, 0 | 3) { 1.0 } else { -1.0 }
 }
 
 fn add(a: &Lanes, b: &Lanes) -> Lanes {

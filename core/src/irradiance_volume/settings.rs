@@ -119,7 +119,7 @@ impl VolumeSettings {
         within("bins_n", self.bins_n, 1, 128, "1 to 128")?;
         within("supersample", self.supersample, 1, 256, "1 to 256")?;
         within("direct_samples", self.direct_samples, 1, 1024, "1 to 1024")?;
-        if !(self.back_face_limit >= 0.0) {
+        if self.back_face_limit.is_nan() || self.back_face_limit < 0.0 {
             let value = self.back_face_limit.to_string();
             return Err(VolumeError::Setting { name: "back_face_limit", value, range: "0 to 1" });
         }

@@ -175,7 +175,7 @@ impl IrradianceVolume {
         })
     }
 
-    /// The same samples under changed light. No radiance ray is traced: bins keep the elements they saw.
+    /// The same samples under changed light; a new volume would also refine where a lamp now is. No radiance ray is traced: bins keep the elements they saw.
     ///
     /// Direct light is asked again of the emitters named by `changed`, or of all of them where an object
     /// moved, because it may shadow any. What a moved object reflected from where it was stays in the
