@@ -137,14 +137,14 @@ impl SceneTables {
         let moved = MovedLight::new(solution, true);
         write.table(Table::Objects, &tables::objects(geometry, &moved))?;
         write.table(Table::MovedLight, &tables::moved_light(&moved))?;
-        if !known.is_some_and(|last| last.radiosity.sides().as_ptr() == radiosity.sides().as_ptr()) {
+        if known.is_none_or(|last| last.radiosity.sides().as_ptr() != radiosity.sides().as_ptr()) {
             if radiosity.sides().len() == 2 * geometry.len() {
                 write.table(Table::Sides, radiosity.sides())?;
             } else {
                 write.table(Table::Sides, &vec![SideMap::NONE; 2 * geometry.len()])?;
             }
         }
-        if !known.is_some_and(|last| Arc::ptr_eq(&last.radiosity, radiosity)) {
+        if known.is_none_or(|last| !Arc::ptr_eq(&last.radiosity, radiosity)) {
             let light = tables::element_light(&radiosity.direct, &radiosity.indirect);
             write.table(Table::ElementLight, &light)?;
         }

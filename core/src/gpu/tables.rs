@@ -295,7 +295,7 @@ pub fn trees(accel: &Accel) -> Vec<Tree> {
     let entry = |tree: TreeView<'_>| {
         let node_count = tree.nodes().count() as u32;
         let m = tree.built_from_world;
-        let rows = std::array::from_fn(|i| m.matrix3.row(i).extend(m.translation[i]).into());
+        let rows = std::array::from_fn(|i| m.matrix3.row(i).extend(m.translation[i]));
         let entry = Tree { rows, root, node_count, padding: [0; 2] };
         root += node_count;
         entry
