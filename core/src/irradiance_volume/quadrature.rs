@@ -140,7 +140,7 @@ impl Quadrature {
         }
 
         for a in 0..quarter {
-            let part = std::array::from_fn::<&Lanes, 4, _>(|parity| &parts[parity][a]);
+            let part = parts.each_ref().map(|part| &part[a]);
             for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
                 let (w, scale) = (self.centres[image], self.scale[image]);
                 for lane in 0..LANES {
