@@ -102,7 +102,7 @@ impl Viewport {
         let size = ui.available_size().max(vec2(16.0, 16.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let response = response.on_hover_cursor(egui::CursorIcon::Default);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "viewport"));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "viewport"));
         let mut view = input.view.clone();
         let screen = Screen { rect, camera: view.camera };
         let outcome = self.interaction.update(ui, &response, &screen, input, &mut view);
@@ -120,7 +120,7 @@ impl Viewport {
             ..ViewportOutput::default()
         };
         self.follow_pick(input, &mut out);
-        let painted = self.paint_picture(ui, &painter, &screen, input, &view, moving, &mut out);
+        let painted = self.paint_picture(ui, &screen, input, &view, moving, &mut out);
         self.paint_marks(&painter, &screen, input, &view);
         self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref());
         if input.scene.is_some()
@@ -170,7 +170,6 @@ impl Viewport {
     fn paint_picture(
         &mut self,
         ui: &egui::Ui,
-        painter: &egui::Painter,
         screen: &Screen,
         input: &ViewportInput<'_>,
         view: &View,
@@ -216,7 +215,7 @@ impl Viewport {
             None => screen.rect,
         };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(painted.texture, rect, whole, Color32::WHITE);
+        ui.painter_at(screen.rect).image(painted.texture, rect, whole, Color32::WHITE);
         Some(painted)
     }
 

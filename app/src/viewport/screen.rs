@@ -29,7 +29,7 @@ impl Screen {
     pub fn project(&self, point: Vec3) -> Option<(Pos2, f32)> {
         let seen = self.camera.view_from_world().transform_point3(point);
         let depth = -seen.z;
-        if !(depth > 1e-4) {
+        if depth.is_nan() || depth <= 1e-4 {
             return None;
         }
         let scale = self.points_per_metre(depth);

@@ -61,6 +61,19 @@ pub enum Curves {
     Channels,
 }
 
+/// How a plot is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// Width, points.
+    pub size: f32,
+    /// Which curves.
+    pub curves: Curves,
+    /// Interpolate between bins.
+    pub smooth: bool,
+    /// Unit of the values.
+    pub unit: &'a str,
+}
+
 /// Points of a curve: direction by direction, the value as radius.
 pub fn curve(
     sphere: &SphereValues<'_>,
@@ -79,17 +92,9 @@ pub fn curve(
         .collect()
 }
 
-/// Shows one plane's plot, `size` points wide.
-pub fn show(
-    ui: &mut egui::Ui,
-    id: &str,
-    size: f32,
-    sphere: &SphereValues<'_>,
-    plane: Plane,
-    curves: Curves,
-    smooth: bool,
-    unit: &str,
-) {
+/// Shows one plane's plot.
+pub fn show(ui: &mut egui::Ui, id: &str, sphere: &SphereValues<'_>, plane: Plane, look: Look<'_>) {
+    let Look { size, curves, smooth, unit } = look;
     let dark = ui.visuals().dark_mode;
     let mut lines: Vec<(&str, Color32, Vec<[f64; 2]>)> = Vec::new();
     match curves {
@@ -163,7 +168,7 @@ fn label_places(plane: Plane, outer: f64) -> [(&'static str, f64, f64); 4] {
 
 /// Round radii to compare with, and how far the plot reaches.
 fn rings(reach: f64) -> (Vec<f64>, f64) {
-    if !(reach > 0.0) {
+    if reach.is_nan() || reach <= 0.0 {
         return (vec![1.0], 1.0);
     }
     let magnitude = 10f64.powf(reach.log10().floor());

@@ -152,8 +152,8 @@ mod tests {
         let bins = DirectionBins::new(9);
         let values: Vec<Vec3> = (0..bins.len()).map(|b| bins.centre(b) * 0.5 + Vec3::splat(0.5)).collect();
         let sphere = SphereValues { bins, values: &values };
-        for bin in 0..bins.len() {
-            assert!((sphere.smooth(bins.centre(bin)) - values[bin]).length() < 1e-4);
+        for (bin, value) in values.iter().enumerate() {
+            assert!((sphere.smooth(bins.centre(bin)) - *value).length() < 1e-4);
         }
         for i in 0..360 {
             let (sin, cos) = (i as f32).to_radians().sin_cos();

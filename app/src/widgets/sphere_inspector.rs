@@ -114,7 +114,7 @@ fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) {
             ui.selectable_value(&mut view.probe_part, part, name).on_hover_text(meaning);
         }
         ui.separator();
-        bins(ui, &mut view.probe_bins_n);
+        ui.horizontal(|ui| bins(ui, &mut view.probe_bins_n));
         ui.separator();
         ui.checkbox(&mut memory.smooth, "Smooth")
             .on_hover_text("Interpolate between bins instead of showing each");
@@ -146,11 +146,13 @@ fn balls(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades, view:
             ui,
             &mut memory.balls,
             &mut memory.turn,
-            &view.camera,
-            view.probe.map(|p| p.1),
-            size,
-            memory.smooth,
-            light.key ^ key(memory.false_colour),
+            sphere_pair::Look {
+                camera: &view.camera,
+                normal: view.probe.map(|p| p.1),
+                size,
+                smooth: memory.smooth,
+                picture_key: light.key ^ key(memory.false_colour),
+            },
             [
                 Ball {
                     title: "Radiance L",
@@ -215,7 +217,8 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades) {
             ui.horizontal_wrapped(|ui| {
                 for plane in Plane::ALL {
                     let id = format!("radial {plane:?}");
-                    radial_plot::show(ui, &id, size, &values, plane, memory.curves, memory.smooth, unit);
+                    let look = radial_plot::Look { size, curves: memory.curves, smooth: memory.smooth, unit };
+                    radial_plot::show(ui, &id, &values, plane, look);
                 }
             });
         }
@@ -282,8 +285,9 @@ impl Shades {
         let mut sorted: Vec<f32> = light.radiance.iter().map(|v| luminance(*v)).collect();
         sorted.sort_by(f32::total_cmp);
         // The lamps' own radiance is far above everything else: let them run off the end.
-        let high = sorted.get(sorted.len() * 97 / 100).copied().unwrap_or(1.0);
-        let palettes = false_colour.then(|| [palette(high * 1.25), palette(largest(&light.irradiance))]);
+        let most = sorted.get(sorted.len() * 97 / 100).copied().unwrap_or(0.0) * 1.25;
+        let high = if most > 0.0 { most } else { largest(&light.radiance) };
+        let palettes = false_colour.then(|| [palette(high), palette(largest(&light.irradiance))]);
         Self { display, palettes }
     }
 

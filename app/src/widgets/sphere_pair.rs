@@ -36,18 +36,30 @@ impl Turn {
     }
 }
 
-/// Shows the balls, each `size` points; dragging one turns both.
+/// How the balls are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// The viewport's camera, whose side the balls are seen from.
+    pub camera: &'a Camera,
+    /// Normal to mark.
+    pub normal: Option<Vec3>,
+    /// Diameter, points.
+    pub size: f32,
+    /// Interpolate between bins.
+    pub smooth: bool,
+    /// Changes when the values or their colours do.
+    pub picture_key: u64,
+}
+
+/// Shows the balls; dragging one turns both.
 pub fn show(
     ui: &mut egui::Ui,
     slots: &mut [ImageSlot; 2],
     turn: &mut Turn,
-    camera: &Camera,
-    normal: Option<Vec3>,
-    size: f32,
-    smooth: bool,
-    picture_key: u64,
+    look: Look<'_>,
     balls: [Ball<'_>; 2],
 ) {
+    let Look { camera, normal, size, smooth, picture_key } = look;
     let world_from_view = turn.world_from_view(camera);
     let view_key = key(world_from_view.to_cols_array().map(f32::to_bits));
     ui.horizontal(|ui| {
@@ -122,7 +134,7 @@ fn axes(ui: &egui::Ui, rect: Rect, world_from_view: Mat3, normal: Option<Vec3>) 
         }
         let at = rect.center() + vec2(seen.x, -seen.y) * (0.5 * rect.width() - 4.0);
         painter.circle(at, 3.5, colour, egui::Stroke::new(1.0, Color32::from_black_alpha(180)));
-        let inwards = (rect.center() - at).normalized() * 10.0;
+        let inwards = (rect.center() - at).normalized() * if name == "n" { 21.0 } else { 10.0 };
         let out = at + if inwards.length() > 1.0 { inwards } else { vec2(8.0, -8.0) };
         let font = FontId::proportional(11.0);
         painter.text(
