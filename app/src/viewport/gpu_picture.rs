@@ -60,7 +60,7 @@ impl GpuPicture {
             frames: 0,
             seconds: 0.0,
             adapter: state.adapter.get_info().name,
-            scale: 1.0,
+            scale: 0.7,
             failed: false,
             in_flight: None,
             displayed: None,
@@ -153,10 +153,13 @@ impl GpuPicture {
     }
 
     fn frame(&self, request: &Request, rest: bool) -> FrameSettings {
-        // Crisp shadows while moving only where the last frame says that there is time for them.
+        // Crisp shadows while moving only where the last frame says that there is time for them, and at
+        // rest as many at once as keep the device ready for the next move.
+        let quick = self.seconds > 0.0 && self.seconds < 0.5 * MOVING_SECONDS;
+        let slow = self.seconds > 2.0 * MOVING_SECONDS;
         let direct = match request.direct {
+            DirectQuality::PerPixel(_) if (rest && slow) || (!rest && quick) => DirectQuality::PerPixel(1),
             quality if rest => quality,
-            DirectQuality::PerPixel(_) if self.seconds < 0.5 * MOVING_SECONDS => DirectQuality::PerPixel(1),
             _ => DirectQuality::Elements,
         };
         let scale = if rest { 1.0 } else { self.scale };
