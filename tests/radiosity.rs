@@ -203,7 +203,8 @@ fn closed_sphere_with_a_lamp_at_its_centre_shows_radiance_one() {
 #[test]
 fn indirect_light_in_a_sphere_is_uniform_wherever_the_lamps_are() {
     // Every point of a sphere sees every other with the same form factor, so the indirect irradiance
-    // is ρ/(1 − ρ) Φ/4πr² = π everywhere. 0.5 % on the mean for facets and shared directions. 4 % an
+    // is ρ/(1 − ρ) Φ/4πr² = π everywhere. 1 % on the mean: facets of 0.15 m have 0.5 % less area than
+    // the sphere. 4 % an
     // element: the direct light varies fourfold over the wall and 1024 rays sample it.
     let mut scene = Scene::default();
     add(&mut scene, "sphere", sphere_inwards(3), diffuse("wall", Vec3::splat(0.5), Vec3::ZERO));
@@ -219,7 +220,7 @@ fn indirect_light_in_a_sphere_is_uniform_wherever_the_lamps_are() {
         sum += e * solution.elements()[i].area;
         area += solution.elements()[i].area;
     }
-    assert!((sum / area - 1.0).abs() < 0.005, "mean {}", sum / area);
+    assert!((sum / area - 1.0).abs() < 0.01, "mean {}", sum / area);
 }
 
 #[test]
@@ -337,8 +338,9 @@ fn rectangular_lamp_gives_the_closed_form() {
     add(&mut scene, "floor", floor, diffuse("floor", Vec3::splat(0.5), Vec3::ZERO));
     let panel = rectangle(Vec3::new(-0.3, 1.0, -0.2), Vec3::X * 0.6, Vec3::Z * 0.4);
     add(&mut scene, "panel", panel, diffuse("panel", Vec3::ZERO, Vec3::splat(500.0)));
-    let (world, solution) = solve(&scene, &settings(0.05));
-    // 0.5 %: bilinear interpolation between nodes 0.05 m apart, h²/8 times a curvature below 8 a m².
+    let (world, solution) = solve(&scene, &settings(0.04));
+    // 0.5 %: the mean over an element's footprint and bilinear interpolation, h²/6 + h²/8 times a relative
+    // curvature below 8 a m² for h = 0.04 m.
     for (u, v) in [(0.1, 0.2), (0.3, 0.3), (0.5, 0.25), (0.6, 0.1), (0.25, 0.6)] {
         let surface = world.geometry.surface(0, Vec2::new(u, v), Vec3::NEG_Y);
         let (x, z) = (surface.position.x, surface.position.z);
@@ -456,9 +458,9 @@ fn weights_sum_to_one_and_reproduce_positions() {
             assert!((blend.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{blend:?}");
             let there = world.geometry.surface(triangle, barycentric, Vec3::ZERO).position;
             let nodes: Vec<Vec3> = solution.elements().iter().map(|e| e.position).collect();
-            // Nodes at the border are inset by at most 0.02 spacings an axis.
+            // Nodes at the border are inset by at most 0.2 spacings an axis.
             let found = blend.sum(&nodes);
-            assert!(found.distance(there) < 0.013 * 0.4, "{found} for {there}");
+            assert!(found.distance(there) < 0.13 * 0.2 * 1.42, "{found} for {there}");
         }
     }
 }

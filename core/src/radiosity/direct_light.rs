@@ -1,21 +1,21 @@
 //! Direct irradiance of the elements, one table an emitter, so that one lamp can change alone.
 //!
-//! Tables hold the light at dimmer 1; dimming is a factor. Shadow rays go where they are needed:
-//! two small independent estimates first, and the full number only where they differ (penumbrae,
-//! textured lamps).
+//! Tables hold the light at dimmer 1; dimming is a factor. The light is averaged over points of the
+//! element's footprint, because it is its flux that is passed on: at one point, an element in front
+//! of a lamp gets far too much or too little. All shadow rays are always cast: stopping early where
+//! the first ones agree takes the faint edge off every penumbra, several per cent of the flux.
 
 use super::gather::Transport;
-use super::{RadiosityError, surface_map::UNSOLVED};
+use super::{
+    RadiosityError,
+    surface_map::{FOOTPRINT, UNSOLVED},
+};
 use crate::{
     math::{
         progress::{Cancelled, Progress},
         random::hash2,
     },
-    scene::{
-        direct::{self, Receiver},
-        emitters::Emitter,
-        world::World,
-    },
+    scene::{direct, emitters::Emitter, world::World},
 };
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
@@ -153,31 +153,14 @@ fn irradiance(
             if element.flags & UNSOLVED != 0 {
                 return Vec3::ZERO;
             }
-            let receiver = Receiver {
-                position: element.position,
-                normal: element.normal,
-                geometric_normal: element.geometric_normal,
-            };
-            let scramble = hash2((block * BLOCK + i) as u32, seed);
-            adaptive(world, emitter, &receiver, shadow_rays, scramble)
+            let footprint = transport.map.footprint(block * BLOCK + i);
+            let rays = shadow_rays.div_ceil(FOOTPRINT as u32);
+            let sum = footprint.iter().enumerate().fold(Vec3::ZERO, |sum, (k, point)| {
+                let scramble = hash2(((block * BLOCK + i) * FOOTPRINT + k) as u32, seed);
+                sum + direct::irradiance(world, emitter, point, rays, scramble)
+            });
+            sum / FOOTPRINT as f32
         }));
     }
     Ok(table)
-}
-
-/// Irradiance by few shadow rays where two small estimates agree, by `shadow_rays` where they do not.
-fn adaptive(world: &World, emitter: &Emitter, receiver: &Receiver, shadow_rays: u32, scramble: u32) -> Vec3 {
-    const FIRST: u32 = 3;
-    let Emitter::Area(_) = emitter else {
-        return direct::irradiance(world, emitter, receiver, 1, scramble);
-    };
-    if shadow_rays <= 2 * FIRST {
-        return direct::irradiance(world, emitter, receiver, shadow_rays, scramble);
-    }
-    let a = direct::irradiance(world, emitter, receiver, FIRST, scramble);
-    let b = direct::irradiance(world, emitter, receiver, FIRST, !scramble);
-    if (a - b).abs().max_element() <= 1e-6 * a.abs().max_element() {
-        return a;
-    }
-    direct::irradiance(world, emitter, receiver, shadow_rays, scramble)
 }

@@ -13,7 +13,7 @@ use super::{
     charts::{Region, regions},
     lookup::{ElementBlend, SideMap, blend},
 };
-use crate::scene::geometry::Geometry;
+use crate::scene::{direct::Receiver, geometry::Geometry};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -70,9 +70,14 @@ pub struct SurfaceMap {
     pub elements: Vec<Element>,
     /// The grids.
     pub charts: Vec<Chart>,
+    /// [`FOOTPRINT`] points an element, spread over the area it stands for.
+    pub footprints: Vec<Receiver>,
     /// Spacing it was built with, m.
     pub spacing_m: f32,
 }
+
+/// Points that stand for an element's area.
+pub const FOOTPRINT: usize = 8;
 
 /// Elements that a spacing chosen from the scene aims to stay below.
 const WANTED_ELEMENTS: usize = 24_000;
@@ -142,7 +147,10 @@ impl SurfaceMap {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.sides[..]) + size_of_val(&self.elements[..]) + size_of_val(&self.charts[..])
+        size_of_val(&self.sides[..])
+            + size_of_val(&self.elements[..])
+            + size_of_val(&self.charts[..])
+            + size_of_val(&self.footprints[..])
     }
 
     fn add_grid(&mut self, geometry: &Geometry, region: &Region, [nx, ny]: [u32; 2]) {
@@ -156,7 +164,7 @@ impl SurfaceMap {
         let cells = Vec2::new(nx.max(2) as f32 - 1.0, ny.max(2) as f32 - 1.0);
         let step = region.extent / cells;
         let single = [nx == 1, ny == 1];
-        let inset = (0.02 * self.spacing_m).min(0.2 * region.extent.min_element());
+        let inset = (0.2 * self.spacing_m).min(0.2 * region.extent.min_element());
         let place = |x: u32, y: u32| {
             let q = Vec2::new(x as f32, y as f32) * step;
             let middle = 0.5 * region.extent;
@@ -250,38 +258,74 @@ impl SurfaceMap {
         }
     }
 
-    /// Areas and mean reflectances, by points spread over every triangle.
+    /// The points that stand for an element's area.
+    pub fn footprint(&self, element: usize) -> &[Receiver] {
+        &self.footprints[element * FOOTPRINT..][..FOOTPRINT]
+    }
+
+    /// Areas, mean reflectances and footprints, by points spread over every triangle.
     fn weigh(&mut self, geometry: &Geometry) {
         let mut weighted = vec![Vec3::ZERO; self.elements.len()];
+        let mut points: Vec<Receiver> = Vec::new();
+        let mut shares: Vec<(u32, f32, u32)> = Vec::new();
         for t in 0..geometry.len() as u32 {
             let area = 0.5 * geometry.area_normal(t).length();
             let textured = geometry.material_of(t).reflectance_texture.is_some();
+            let curved = self.sides[2 * t as usize].size == 0;
             let cells = area / (self.spacing_m * self.spacing_m);
-            let taps = if textured { 16.0 } else { 4.0 };
-            let n = ((cells * taps).sqrt().ceil().clamp(1.0, 512.0)) as u32;
-            let [ta, tb, tc] = geometry.uvs[t as usize];
+            let taps = if textured { 16.0 } else { 9.0 };
+            let n = ((cells * taps).sqrt().ceil().clamp(if curved { 4.0 } else { 1.0 }, 512.0)) as u32;
             for back in [false, true] {
                 let side = self.sides[2 * t as usize + usize::from(back)];
                 if side == SideMap::NONE {
                     continue;
                 }
                 let share = area / (n * n) as f32;
+                let towards = geometry.area_normal(t) * if back { 1.0 } else { -1.0 };
                 for barycentric in triangle_points(n) {
-                    let uv =
-                        ta * (1.0 - barycentric.x - barycentric.y) + tb * barycentric.x + tc * barycentric.y;
-                    let reflectance = geometry.material_of(t).reflectance_at(uv, &geometry.textures);
+                    let surface = geometry.surface(t, barycentric, towards);
+                    let reflectance = geometry.material_of(t).reflectance_at(surface.uv, &geometry.textures);
                     let blend = blend(&side, barycentric);
                     for (&element, &weight) in blend.elements.iter().zip(&blend.weights) {
                         if weight > 0.0 {
                             self.elements[element as usize].area += share * weight;
                             weighted[element as usize] += reflectance * (share * weight);
+                            shares.push((element, share * weight, points.len() as u32));
                         }
                     }
+                    points.push(Receiver {
+                        position: surface.position,
+                        normal: surface.normal,
+                        geometric_normal: surface.geometric_normal,
+                    });
                 }
             }
         }
         for (element, sum) in self.elements.iter_mut().zip(weighted) {
             element.reflectance = if element.area > 0.0 { sum / element.area } else { Vec3::ZERO };
+        }
+        self.footprints = self
+            .elements
+            .iter()
+            .flat_map(|e| {
+                let own =
+                    Receiver { position: e.position, normal: e.normal, geometric_normal: e.geometric_normal };
+                [own; FOOTPRINT]
+            })
+            .collect();
+        // Stable: points keep the order of their triangles.
+        shares.sort_by_key(|(element, ..)| *element);
+        for of_one in shares.chunk_by(|a, b| a.0 == b.0) {
+            let element = of_one[0].0 as usize;
+            let step = of_one.iter().map(|(_, share, _)| share).sum::<f32>() / FOOTPRINT as f32;
+            let (mut passed, mut k) = (0.0, 0);
+            for &(_, share, point) in of_one {
+                passed += share;
+                while k < FOOTPRINT && passed >= (k as f32 + 0.5) * step {
+                    self.footprints[element * FOOTPRINT + k] = points[point as usize];
+                    k += 1;
+                }
+            }
         }
     }
 }
