@@ -125,6 +125,11 @@ impl LumenscopeApp {
         self.worker.is_busy()
     }
 
+    /// Whether there is a picture on screen, finished or not.
+    pub fn has_picture(&self) -> bool {
+        self.dock.pictured
+    }
+
     /// Whether the picture on screen is finished.
     pub fn is_picture_settled(&self) -> bool {
         self.dock.settled

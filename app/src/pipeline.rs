@@ -115,12 +115,10 @@ pub fn probe(
     request: &ProbeRequest,
     progress: &Progress,
 ) -> Result<Probe> {
-    /// How far off the surface the spheres stand, m: enough to see past the surface's own grain.
-    const LIFT_M: f32 = 0.002;
     progress.begin("spheres");
     progress.report(0.0)?;
-    let position = request.position + request.normal * LIFT_M;
-    Ok(Probe::at(&solution.world, &*solution.radiosity, position, request.n, SUPERSAMPLE, SEED)?)
+    let ProbeRequest { position, n } = *request;
+    Ok(Probe::at(&solution.world, &*solution.radiosity, position, n, SUPERSAMPLE, SEED)?)
 }
 
 /// What the views switched on put into the scene; `None` when none is.

@@ -55,8 +55,6 @@ pub enum News {
 pub struct ProbeRequest {
     /// Position, m.
     pub position: Vec3,
-    /// Unit normal of the surface there.
-    pub normal: Vec3,
     /// Rows of bins a hemisphere.
     pub n: u32,
 }

@@ -12,9 +12,6 @@ use egui::ViewportCommand;
 use lumenscope_core::superposition::composite::DirectQuality;
 use std::{path::PathBuf, sync::mpsc::Sender};
 
-/// Pictures are exported at the viewport's shape, this many pixels wide.
-const EXPORT_WIDTH: u32 = 1280;
-
 /// Widest reference traced while looking: larger ones take seconds a sample on two cores.
 const REFERENCE_WIDTH: u32 = 480;
 
@@ -39,9 +36,8 @@ impl LumenscopeApp {
             }
             Effect::Probe => {
                 let view = &self.session.document.view;
-                if let Some((position, normal)) = view.probe {
-                    let normal = normal.normalize_or(glam::Vec3::Y);
-                    self.worker.probe(ProbeRequest { position, normal, n: view.probe_bins_n });
+                if let Some((position, _)) = view.probe {
+                    self.worker.probe(ProbeRequest { position, n: view.probe_bins_n });
                 }
             }
             Effect::Inspect => self.inspect(),
@@ -106,7 +102,7 @@ impl LumenscopeApp {
             path,
             solution,
             camera: view.camera,
-            size: self.picture_size(EXPORT_WIDTH),
+            size: self.picture_size(self.dock.viewport_size.x.clamp(16.0, 4096.0) as u32),
             weights: view.weights,
             shadow_rays: match view.direct {
                 DirectQuality::Elements => 0,

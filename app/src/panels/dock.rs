@@ -73,6 +73,8 @@ pub struct Dock {
     pub viewport_size: egui::Vec2,
     /// Whether the picture is finished: nothing better is on its way.
     pub settled: bool,
+    /// Whether there is a picture at all.
+    pub pictured: bool,
     /// Exposure value the picture was last shown with.
     pub ev100: f32,
 }
@@ -86,6 +88,7 @@ impl Default for Dock {
             pick: None,
             viewport_size: egui::vec2(640.0, 400.0),
             settled: false,
+            pictured: false,
             ev100: f32::NAN,
         }
     }
@@ -113,6 +116,7 @@ impl Dock {
             pick: &mut self.pick,
             size: &mut self.viewport_size,
             settled: &mut self.settled,
+            pictured: &mut self.pictured,
             ev100: &mut self.ev100,
             out: Vec::new(),
         };
@@ -159,6 +163,7 @@ struct Frame<'a, 'b> {
     pick: &'a mut Option<Pick>,
     size: &'a mut egui::Vec2,
     settled: &'a mut bool,
+    pictured: &'a mut bool,
     ev100: &'a mut f32,
     out: Vec<Command>,
 }
@@ -183,6 +188,7 @@ impl Frame<'_, '_> {
         self.out.extend(output.commands);
         *self.ev100 = output.ev100;
         *self.settled = output.settled;
+        *self.pictured = output.frame_seconds > 0.0;
         if output.pick.is_some() {
             *self.pick = output.pick;
         }
