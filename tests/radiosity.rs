@@ -338,9 +338,9 @@ fn rectangular_lamp_gives_the_closed_form() {
     add(&mut scene, "floor", floor, diffuse("floor", Vec3::splat(0.5), Vec3::ZERO));
     let panel = rectangle(Vec3::new(-0.3, 1.0, -0.2), Vec3::X * 0.6, Vec3::Z * 0.4);
     add(&mut scene, "panel", panel, diffuse("panel", Vec3::ZERO, Vec3::splat(500.0)));
-    let (world, solution) = solve(&scene, &settings(0.04));
+    let (world, solution) = solve(&scene, &settings(0.02));
     // 0.5 %: the mean over an element's footprint and bilinear interpolation, h²/6 + h²/8 times a relative
-    // curvature below 8 a m² for h = 0.04 m.
+    // curvature below 8 a m² for h = 0.02 m.
     for (u, v) in [(0.1, 0.2), (0.3, 0.3), (0.5, 0.25), (0.6, 0.1), (0.25, 0.6)] {
         let surface = world.geometry.surface(0, Vec2::new(u, v), Vec3::NEG_Y);
         let (x, z) = (surface.position.x, surface.position.z);
