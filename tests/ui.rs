@@ -53,7 +53,7 @@ fn room(folder: &Path) -> PathBuf {
     let mut obj = String::from("mtllib room.mtl\no walls\nusemtl white\n");
     cuboid(&mut obj, 1, [-2.0, 0.0, -2.0], [2.0, 3.0, 2.0], true);
     obj.push_str("o block\nusemtl red\n");
-    cuboid(&mut obj, 9, [-1.2, 0.0, -1.4], [-0.4, 1.1, -0.6], false);
+    cuboid(&mut obj, 9, [-1.2, 0.01, -1.4], [-0.4, 1.1, -0.6], false);
     fs::write(folder.join("room.obj"), obj).unwrap();
     fs::write(folder.join("room.mtl"), "newmtl white\nKd 0.7 0.7 0.7\nnewmtl red\nKd 0.7 0.1 0.1\n").unwrap();
     let scene = folder.join("room.ron");

@@ -79,7 +79,7 @@ pub fn load(source: Source, progress: &Progress) -> Result<Loaded> {
     let mut scene = read_scene(&examples::resolve(path)?, &document.added)?;
     progress.begin("checking");
     let findings = check::check(&scene).into_iter().filter(|f| f.severity == Severity::Warning);
-    scene.warnings.extend(findings.map(|f| f.to_string()));
+    scene.warnings.extend(findings.map(|f| format!("{}: {}; {}", f.object, f.what, f.advice)));
     progress.report(1.0)?;
     Ok(Loaded { document, session_file, scene: Arc::new(scene), fresh, added_only })
 }

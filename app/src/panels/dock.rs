@@ -148,10 +148,10 @@ fn layout() -> Tree<Pane> {
         }
         tiles.insert_container(Container::Linear(linear))
     };
-    let left = linear(LinearDir::Vertical, &[(scene, 0.46), (layers, 0.54)]);
+    let left = linear(LinearDir::Vertical, &[(scene, 0.5), (layers, 0.5)]);
     let middle = linear(LinearDir::Vertical, &[(viewport, 0.82), (log, 0.18)]);
-    let right = linear(LinearDir::Vertical, &[(spheres, 0.56), (readout, 0.44)]);
-    let root = linear(LinearDir::Horizontal, &[(left, 0.215), (middle, 0.545), (right, 0.24)]);
+    let right = linear(LinearDir::Vertical, &[(spheres, 0.58), (readout, 0.42)]);
+    let root = linear(LinearDir::Horizontal, &[(left, 0.212), (middle, 0.518), (right, 0.27)]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }
 

@@ -4,12 +4,13 @@ use crate::{
     command::{Command, Dialog},
     examples::Example,
 };
-use egui::{Align, Layout, RichText, Ui, vec2};
+use egui::{Align, Color32, Layout, Mesh, RichText, Ui, pos2, vec2};
 use std::path::PathBuf;
 
 /// Invites to open something; `opening` while something is.
 pub fn show(ui: &mut Ui, recent: &[PathBuf], opening: bool, out: &mut Vec<Command>) {
     let height = ui.available_height();
+    glow(ui);
     ui.with_layout(Layout::top_down(Align::Center), |ui| {
         ui.add_space((height * 0.2).max(24.0));
         ui.label(RichText::new("lumenscope").size(34.0).strong().color(crate::theme::accent(ui.visuals())));
@@ -44,4 +45,34 @@ pub fn show(ui: &mut Ui, recent: &[PathBuf], opening: bool, out: &mut Vec<Comman
             }
         }
     });
+}
+
+/// A lamp's light on a wall behind the title: cos³ of the angle, as a point lamp lights it.
+fn glow(ui: &Ui) {
+    const STEPS: [usize; 2] = [48, 30];
+    let (rect, accent) = (ui.max_rect(), crate::theme::accent(ui.visuals()));
+    let strength = if ui.visuals().dark_mode { 0.20 } else { 0.28 };
+    let lamp = pos2(rect.center().x, rect.top() + 0.26 * rect.height());
+    let distance = 0.32 * rect.height().max(1.0);
+    let mut mesh = Mesh::default();
+    for y in 0..=STEPS[1] {
+        for x in 0..=STEPS[0] {
+            let at = pos2(
+                rect.left() + rect.width() * x as f32 / STEPS[0] as f32,
+                rect.top() + rect.height() * y as f32 / STEPS[1] as f32,
+            );
+            let cos = distance / at.distance(lamp).hypot(distance);
+            let shade = accent.gamma_multiply(strength * cos.powi(3));
+            mesh.colored_vertex(at, if shade.a() == 0 { Color32::TRANSPARENT } else { shade });
+        }
+    }
+    let row = STEPS[0] as u32 + 1;
+    for y in 0..STEPS[1] as u32 {
+        for x in 0..STEPS[0] as u32 {
+            let i = y * row + x;
+            mesh.add_triangle(i, i + 1, i + row);
+            mesh.add_triangle(i + 1, i + row + 1, i + row);
+        }
+    }
+    ui.painter().add(mesh);
 }

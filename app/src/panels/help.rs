@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, Grid, RichText, Window};
 
-const KEYS: [(&str, &str); 17] = [
+const KEYS: [(&str, &str); 18] = [
     ("Ctrl+O", "Open a scene or session"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+Shift+S", "Save the session as a new file"),
@@ -12,14 +12,18 @@ const KEYS: [(&str, &str); 17] = [
     ("R", "Picture, reference, difference in turn"),
     ("V", "Volume of irradiance spheres on and off"),
     ("F", "Frame the selection, or everything"),
-    ("G, T", "Move or turn the selection with the gizmo"),
-    ("W A S D Q E", "Fly, with the right mouse button held"),
+    ("Home", "Frame everything"),
+    ("W A S D Q E", "Fly and look, with the right mouse button held; Shift flies faster"),
     ("Esc", "Drop the selection"),
     ("Tab", "Hide and show the panels"),
     ("F1", "This window"),
-    ("Drag", "Orbit; with Shift or the middle button, pan"),
+    ("Drag", "Orbit; with the right button, pan"),
+    (
+        "Drag a thing",
+        "Move a lamp or a movable object; with Shift, up and down; with Alt, orbit all the same",
+    ),
     ("Wheel", "Nearer and farther"),
-    ("Click", "Pick a point: read-out, and the spheres there"),
+    ("Click", "Pick a point: read-out, and the spheres there; on a volume sphere, its own"),
 ];
 
 const COLOURS: [(&str, &str); 4] = [
@@ -40,7 +44,7 @@ pub fn show(ctx: &Context, open: &mut bool) {
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-        .default_width(520.0)
+        .default_width(600.0)
         .show(ctx, |ui| {
             ui.label(
                 "lumenscope shows how light flows in a scene. The picture is a sum of layers: light \
@@ -59,7 +63,8 @@ pub fn show(ctx: &Context, open: &mut bool) {
 }
 
 fn table(ui: &mut egui::Ui, id: &str, rows: &[(&str, &str)]) {
-    Grid::new(id).num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+    ui.spacing_mut().interact_size.y = 17.0;
+    Grid::new(id).num_columns(2).spacing([18.0, 2.0]).show(ui, |ui| {
         for (left, right) in rows {
             ui.label(RichText::new(*left).color(crate::theme::accent(ui.visuals())));
             ui.add(egui::Label::new(*right).wrap());

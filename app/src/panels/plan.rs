@@ -10,8 +10,8 @@ pub fn show(ui: &mut Ui, session: &Session) {
         ui.weak("The plan appears when a scene has been read: what it needs, and why.");
         return;
     };
-    Grid::new("plan").num_columns(5).spacing([14.0, 3.0]).striped(true).show(ui, |ui| {
-        for title in ["Component", "Error", "Time", "Settings", "Because"] {
+    Grid::new("plan").num_columns(4).spacing([14.0, 3.0]).striped(true).show(ui, |ui| {
+        for title in ["Component", "Error", "Time", "Settings and reason"] {
             ui.label(RichText::new(title).small().weak());
         }
         ui.end_row();
@@ -33,8 +33,9 @@ fn row(ui: &mut Ui, line: &PlanLine, session: &Session) {
         .on_hover_text("Expected median relative error of this part");
     ui.label(text(seconds(session, line)))
         .on_hover_text("Seconds it took; in brackets, what was expected before it ran");
-    ui.label(text(line.settings.clone()));
-    ui.label(text(line.reason.clone()));
+    let parts: Vec<&str> =
+        [line.settings.as_str(), line.reason.as_str()].into_iter().filter(|p| !p.is_empty()).collect();
+    ui.add(egui::Label::new(text(parts.join("; "))).wrap());
     ui.end_row();
 }
 

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
     let search = TextEdit::singleline(&mut state.filter).hint_text("Search").desired_width(f32::INFINITY);
     accessible(ui.add(search), "Search").on_hover_text("Show only names that contain this");
     ui.add_space(4.0);
-    let height = if session.document.view.selected.is_some() { 104.0 } else { f32::INFINITY };
+    let height = if session.document.view.selected.is_some() { 120.0 } else { f32::INFINITY };
     ScrollArea::vertical().id_salt("targets").max_height(height).auto_shrink(false).show(ui, |ui| {
         list(ui, state, scene, session, out);
     });
@@ -85,10 +85,14 @@ fn selected(ui: &mut Ui, scene: &Scene, session: &Session, target: Target, out: 
         dimmer(ui, scene, session, target, out);
     }
     let placement = scene.placement(target);
-    let directional =
-        matches!(target, Target::Lamp(i) if matches!(scene.lamps[i].kind, LampKind::Directional { .. }));
+    let kind = match target {
+        Target::Lamp(i) => Some(scene.lamps[i].kind),
+        Target::Object(_) => None,
+    };
+    let has_place = !matches!(kind, Some(LampKind::Directional { .. }));
+    let has_turn = !matches!(kind, Some(LampKind::Point { .. }));
     ui.add_enabled_ui(is_movable(scene, target), |ui| {
-        transform(ui, placement, directional, |placement, dragging| {
+        transform(ui, placement, [has_place, has_turn], |placement, dragging| {
             out.push(Command::Place { target, placement, dragging });
         })
     })
@@ -133,12 +137,13 @@ fn dimmer(ui: &mut Ui, scene: &Scene, session: &Session, target: Target, out: &m
 fn transform(
     ui: &mut Ui,
     placement: Affine3A,
-    directional: bool,
+    [has_place, has_turn]: [bool; 2],
     mut place: impl FnMut(Affine3A, bool),
 ) -> bool {
     let (scale, rotation, mut position) = placement.to_scale_rotation_translation();
     let (y, x, z) = rotation.to_euler(EulerRot::YXZ);
-    let mut degrees = Vec3::new(x, y, z).map(f32::to_degrees);
+    // Rounded, so that a turn of nothing does not read −0.0°.
+    let mut degrees = Vec3::new(x, y, z).map(|r| (r.to_degrees() * 100.0).round() / 100.0 + 0.0);
     let mut ended = false;
     let mut changed = None;
     let mut watch = |r: Response| {
@@ -148,7 +153,7 @@ fn transform(
         ended |= r.drag_stopped();
     };
     Grid::new("transform").num_columns(4).spacing([5.0, 3.0]).show(ui, |ui| {
-        if !directional {
+        if has_place {
             ui.label("Position").on_hover_text("World position, m; y is up");
             for (name, value) in ["x", "y", "z"].iter().zip(position.as_mut()) {
                 let drag = DragValue::new(value).speed(0.01).max_decimals(3).suffix(" m");
@@ -156,12 +161,14 @@ fn transform(
             }
             ui.end_row();
         }
-        ui.label("Turn").on_hover_text("About x, y, z in degrees: first z, then x, then y");
-        for (name, value) in ["x", "y", "z"].iter().zip(degrees.as_mut()) {
-            let drag = DragValue::new(value).speed(0.5).max_decimals(1).suffix("°");
-            watch(accessible(ui.add(drag), &format!("Turn {name}")));
+        if has_turn {
+            ui.label("Turn").on_hover_text("About x, y, z in degrees: first z, then x, then y");
+            for (name, value) in ["x", "y", "z"].iter().zip(degrees.as_mut()) {
+                let drag = DragValue::new(value).speed(0.5).max_decimals(1).suffix("°");
+                watch(accessible(ui.add(drag), &format!("Turn {name}")));
+            }
+            ui.end_row();
         }
-        ui.end_row();
     });
     if let Some(dragging) = changed {
         let r = degrees.map(f32::to_radians);

@@ -206,7 +206,8 @@ impl CpuPicture {
             return;
         }
         let kept = self.kept.take().filter(|k| k.key == key);
-        let redisplay = kept.is_some() && !displayed;
+        // A mean too short to be shown is not shown again but lengthened.
+        let redisplay = kept.is_some() && !displayed && self.frames > 0;
         self.fly(ctx, Stage::Mean, move || {
             let (mut mean, buffer) = match kept {
                 Some(k) => (k.mean, Some(k.buffer)),
