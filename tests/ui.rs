@@ -7,6 +7,7 @@ use lumenscope::{
     app::Config,
     command::Command,
     examples::Example,
+    panels::status::Badge,
     session::{Compare, Document, View},
 };
 use lumenscope_core::{
@@ -113,7 +114,7 @@ impl Window<'_> {
     }
 
     fn wait_lit(&mut self) {
-        self.wait("settled light", |app| app.badge() == lumenscope::panels::status::Badge::Settled);
+        self.wait("settled light", |app| app.badge() == Badge::Settled);
     }
 
     /// Waits until nothing is at work and the viewport shows a picture.
@@ -362,6 +363,29 @@ fn what_cannot_be_opened_is_said_and_nothing_is_lost() {
     }
     window.run(Command::SaveSession("/proc/nowhere/x.lumenscope".into()));
     assert!(window.app().notice().is_some());
+}
+
+#[test]
+fn long_work_is_cancelled_and_taken_up_again() {
+    let mut window = Window::empty();
+    let scene = room(window.folder.path());
+    let fine = ROOM.replace("gather_rays: Some(64)", "gather_rays: Some(4096)");
+    let fine = fine.replace("element_spacing_m: Some(0.5)", "element_spacing_m: Some(0.03)");
+    fs::write(&scene, fine).unwrap();
+    window.run(Command::Open(scene.clone()));
+    window.wait("the first light", |app| app.badge() == Badge::Solving);
+    window.run(Command::Cancel);
+    window.wait("the end of the work", |app| !app.is_busy());
+    window.harness.run_steps(2);
+    assert_eq!(window.app().badge(), Badge::Unlit);
+    fs::write(&scene, ROOM).unwrap();
+    window.run(Command::Open(scene));
+    window.wait_lit();
+    let floor = window.floor_irradiance();
+    assert!(floor > 0.0);
+    window.run(Command::Solve);
+    window.wait_lit();
+    assert_eq!(window.floor_irradiance(), floor, "solved again, nothing changes");
 }
 
 #[test]

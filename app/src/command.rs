@@ -55,6 +55,8 @@ pub enum Command {
     StartReference,
     /// Stop the work in progress.
     Cancel,
+    /// Go on with the light where it was stopped.
+    Solve,
     /// Ask for a file, then do something with it.
     Dialog(Dialog),
     /// Change the window, not the session.

@@ -96,7 +96,7 @@ impl Default for VolumeView {
     fn default() -> Self {
         Self {
             shown: false,
-            size: 0.25,
+            size: 0.16,
             first_level: true,
             second_level: true,
             part: Part::All,

@@ -213,6 +213,7 @@ impl Session {
                 self.if_open(Effect::Reference)
             }
             Command::Cancel => vec![Effect::Cancel],
+            Command::Solve => self.if_open(Effect::Follow { dragging: false }),
             Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],
             Command::Window(window) => vec![Effect::Window(window)],
         }

@@ -18,7 +18,7 @@ const FOLDER: &str = "lumenscope-out";
 /// When neither is possible.
 pub fn window_or_files(file: Option<PathBuf>, common: &Common) -> anyhow::Result<()> {
     if has_display() {
-        return Ok(crate::run_window(file)?);
+        return crate::run_window(file);
     }
     eprintln!("no display: writing the picture, its layers and its views into {FOLDER}/");
     let folder = Path::new(FOLDER);

@@ -60,6 +60,7 @@ fn edit(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     item(ui, "Undo", "Ctrl+Z", session.history.can_undo(), Command::Undo, out);
     item(ui, "Redo", "Ctrl+Y", session.history.can_redo(), Command::Redo, out);
     ui.separator();
+    item(ui, "Solve the light again", "", session.scene.is_some(), Command::Solve, out);
     let selected = session.document.view.selected.is_some();
     ui.add_enabled_ui(selected, |ui| {
         if ui.add(Button::new("Deselect").shortcut_text("Esc")).clicked() {

@@ -39,7 +39,7 @@ pub fn number(value: f32) -> String {
     match size {
         _ if !value.is_finite() => "not finite".into(),
         _ if size == 0.0 => "0".into(),
-        _ if size >= 1e6 || size < 1e-3 => format!("{value:.2e}"),
+        _ if !(1e-3..1e6).contains(&size) => format!("{value:.2e}"),
         _ if size >= 100.0 => format!("{value:.0}"),
         _ if size >= 10.0 => format!("{value:.1}"),
         _ if size >= 1.0 => format!("{value:.2}"),

@@ -97,6 +97,11 @@ pub fn show(
         compare(ui, session, out);
         ui.separator();
         badge_ui(ui, badge, age);
+        if matches!(badge, Badge::Unlit | Badge::Coarse | Badge::Stale)
+            && ui.button("Solve").on_hover_text("Go on with the light where it was stopped").clicked()
+        {
+            out.push(Command::Solve);
+        }
         if let Some(job) = job.filter(|j| j.began.elapsed() > PATIENCE) {
             let (stage, done) = job.progress.state();
             ui.label(RichText::new(job.name).weak());

@@ -127,6 +127,10 @@ impl Bench {
     fn light(&mut self, scene: &Arc<Scene>, dragging: bool) {
         let can_follow = |l: &LiveTransport| pipeline::can_follow(&l.current().scene, scene);
         match self.live.take().filter(can_follow) {
+            Some(live) if Arc::ptr_eq(&live.current().scene, scene) => {
+                self.live = Some(live);
+                self.shared.slots().refine = !dragging;
+            }
             Some(mut live) => {
                 let light = self.job(LIGHT, Rank::Stop, |_, progress| {
                     progress.begin("following");
