@@ -74,6 +74,12 @@ pub(super) fn regions(geometry: &Geometry, triangles: &[u32], weld: f32) -> (Vec
     (regions, curved)
 }
 
+/// One triangle as a region of its own.
+pub(super) fn alone(geometry: &Geometry, triangle: u32) -> Region {
+    let normal = geometry.area_normal(triangle).normalize_or(Vec3::Y);
+    bounding_rectangle(geometry, vec![triangle], normal)
+}
+
 /// Triangles that share an edge with each triangle.
 struct EdgeMap {
     first: Vec<usize>,

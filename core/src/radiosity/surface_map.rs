@@ -5,17 +5,21 @@
 //! spacing and face the same way share one. So the number of elements follows the area of a scene,
 //! not its number of triangles. Not a lightmap atlas: nothing here needs unique texture coordinates.
 //!
+//! The bodies of lamps get elements four times finer, also where they are curved: their own light
+//! falls on them from close by, and what a bright rim reflects matters in the whole room.
+//!
 //! Limits: a curved triangle much larger than the spacing is only sampled at its corners; a grid
 //! cell that a thin wall crosses mixes the light of both sides.
 
 use super::{
     RadiosityError,
-    charts::{Region, regions},
+    charts::{Region, alone, regions},
     lookup::{ElementBlend, SideMap, blend},
 };
 use crate::scene::{direct::Receiver, geometry::Geometry};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Node outside its region, or at the rim of what stands on it: not solved, filled from its neighbours.
@@ -79,6 +83,9 @@ pub struct SurfaceMap {
 /// Points that stand for an element's area.
 pub const FOOTPRINT: usize = 8;
 
+/// Spacing on the bodies of lamps, as a share of the spacing elsewhere.
+const LAMP_FINENESS: f32 = 0.25;
+
 /// Elements that a spacing chosen from the scene aims to stay below.
 const WANTED_ELEMENTS: usize = 24_000;
 /// Elements above which a scene is refused.
@@ -124,8 +131,18 @@ impl SurfaceMap {
         }
         let mut map =
             Self { sides: vec![SideMap::NONE; 2 * geometry.len()], spacing_m: spacing, ..Self::default() };
+        let fine = lamp_bodies(geometry, spacing);
+        curved.retain(|&t| {
+            let region = fine[geometry.object[t as usize] as usize].then(|| alone(geometry, t));
+            let refined = region.filter(|r| r.extent.max_element() > LAMP_FINENESS * spacing);
+            if let Some(region) = &refined {
+                map.add_grid(geometry, region, region.nodes(LAMP_FINENESS * spacing));
+            }
+            refined.is_none()
+        });
         for region in &flat {
-            let [nx, ny] = region.nodes(spacing);
+            let on_lamp = fine[geometry.object[region.triangles[0] as usize] as usize];
+            let [nx, ny] = region.nodes(if on_lamp { LAMP_FINENESS * spacing } else { spacing });
             if nx * ny == 1 {
                 curved.extend(&region.triangles);
             } else {
@@ -271,10 +288,9 @@ impl SurfaceMap {
         for t in 0..geometry.len() as u32 {
             let area = 0.5 * geometry.area_normal(t).length();
             let textured = geometry.material_of(t).reflectance_texture.is_some();
-            let curved = self.sides[2 * t as usize].size == 0;
-            let cells = area / (self.spacing_m * self.spacing_m);
-            let taps = if textured { 16.0 } else { 9.0 };
-            let n = ((cells * taps).sqrt().ceil().clamp(if curved { 4.0 } else { 1.0 }, 512.0)) as u32;
+            let taps = if textured { 4.0 } else { 3.0 };
+            let n =
+                (taps * longest_edge_in_nodes(&self.sides[2 * t as usize])).ceil().clamp(2.0, 512.0) as u32;
             for back in [false, true] {
                 let side = self.sides[2 * t as usize + usize::from(back)];
                 if side == SideMap::NONE {
@@ -314,7 +330,7 @@ impl SurfaceMap {
             })
             .collect();
         // Stable: points keep the order of their triangles.
-        shares.sort_by_key(|(element, ..)| *element);
+        shares.par_sort_by_key(|(element, ..)| *element);
         for of_one in shares.chunk_by(|a, b| a.0 == b.0) {
             let element = of_one[0].0 as usize;
             let step = of_one.iter().map(|(_, share, _)| share).sum::<f32>() / FOOTPRINT as f32;
@@ -328,6 +344,17 @@ impl SurfaceMap {
             }
         }
     }
+}
+
+/// Longest edge of a triangle in grid steps; 1 for vertex elements.
+fn longest_edge_in_nodes(side: &SideMap) -> f32 {
+    if side.size == 0 {
+        return 1.0;
+    }
+    let corner =
+        |i: usize| Vec2::new(f32::from_bits(side.corners[2 * i]), f32::from_bits(side.corners[2 * i + 1]));
+    let edge = |i: usize, k: usize| (corner(i) - corner(k)).abs().max_element();
+    edge(0, 1).max(edge(1, 2)).max(edge(2, 0))
 }
 
 /// Centroids of the n² equal triangles a triangle splits into, as barycentric weights of corners 1 and 2.
@@ -359,6 +386,18 @@ fn finite_diagonal(geometry: &Geometry) -> f32 {
     }
     let diagonal = (high - low).length();
     if diagonal.is_finite() && diagonal > 0.0 { diagonal } else { 1.0 }
+}
+
+/// Which objects are small and emit: their own light falls on them from close by, a strong second
+/// source where it is reflected, so their elements are finer.
+fn lamp_bodies(geometry: &Geometry, spacing: f32) -> Vec<bool> {
+    const MOST_AREA_SPACINGS: f32 = 100.0;
+    let body = |range: &std::ops::Range<u32>| {
+        let area: f32 = range.clone().map(|t| 0.5 * geometry.area_normal(t).length()).sum();
+        area < MOST_AREA_SPACINGS * spacing * spacing
+            && range.clone().any(|t| geometry.material_of(t).emission != Vec3::ZERO)
+    };
+    geometry.object_triangles.iter().map(body).collect()
 }
 
 fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> usize {
