@@ -106,8 +106,7 @@ impl Mixing {
         let mut right = [DVec3::ZERO; DEPTH];
         for i in 0..n {
             let a = &self.residual_steps[i];
-            for j in 0..=i {
-                let b = &self.residual_steps[j];
+            for (j, b) in self.residual_steps.iter().enumerate().take(i + 1) {
                 matrix[i][j] = weighted_sum(weights, |k| a[k].as_dvec3() * b[k].as_dvec3());
                 matrix[j][i] = matrix[i][j];
             }
@@ -143,7 +142,7 @@ fn least_squares(
             let value = matrix(i, j) - sum;
             if i == j {
                 let pivot = value + 1e-12 * matrix(i, i);
-                if !(pivot > 0.0) {
+                if pivot.is_nan() || pivot <= 0.0 {
                     return [0.0; DEPTH];
                 }
                 lower[i][i] = pivot.sqrt();
