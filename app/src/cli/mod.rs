@@ -11,6 +11,7 @@ mod report;
 mod screenshots;
 mod solve;
 mod table;
+mod tour;
 mod volume;
 
 use anyhow::Context;

@@ -49,7 +49,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let (layers, _) = render::picture(&solution, SIZE, 16, Backend::Cpu, common.seed)?;
         write_pictures(&solution, &layers, &folder)?;
     }
-    Ok(())
+    super::tour::write(&options.out.join("program"))
 }
 
 /// The picture, every layer and every view of a solution, as PNG.

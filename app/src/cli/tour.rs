@@ -1,0 +1,184 @@
+//! The tour: the real window, driven without a screen, photographed as a user would see it.
+
+use crate::{
+    LumenscopeApp,
+    app::Config,
+    command::{Command, Window as WindowCommand},
+    examples::Example,
+    session::{Compare, Document, View},
+};
+use anyhow::{Context, anyhow, bail};
+use egui_kittest::{Harness, kittest::Queryable};
+use glam::{Affine3A, Vec3};
+use lumenscope_core::{
+    math::{false_colour::FalseColour, part::Part},
+    scene::Target,
+};
+use std::{
+    path::{Path, PathBuf},
+    thread::sleep,
+    time::{Duration, Instant},
+};
+
+/// Size of the window, points.
+const WINDOW: [f32; 2] = [1280.0, 800.0];
+/// Longest wait for light to settle.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// Longest wait for the picture to lose its grain; it is photographed then as it is.
+const GRAIN: Duration = Duration::from_secs(40);
+
+/// Photographs the window in the states a user meets first.
+///
+/// # Errors
+/// One line saying what could not be shown or written.
+pub fn write(folder: &Path) -> anyhow::Result<()> {
+    super::solve::output_folder(folder)?;
+    let mut tour = Tour::start(folder)?;
+    tour.photograph("empty", Duration::ZERO)?;
+    tour.run(Command::Window(WindowCommand::Help));
+    tour.photograph("help", Duration::ZERO)?;
+    tour.run(Command::Window(WindowCommand::Help));
+
+    tour.open(Example::Office)?;
+    tour.photograph("office", GRAIN)?;
+    tour.click_at([0.36, 0.58]);
+    tour.wait("the spheres", |app| app.session().probe.is_some())?;
+    tour.photograph("probe", GRAIN)?;
+    tour.view(|view| view.probe = None);
+
+    tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.12));
+    tour.wait("the volume", |app| app.session().inspection.is_some())?;
+    tour.photograph("volume", GRAIN)?;
+    tour.view(|view| {
+        view.volume.part = Part::Indirect;
+        view.volume.slice = Some((1, 0.4));
+        view.volume.size = 0.25;
+    });
+    tour.photograph("volume_slice", GRAIN)?;
+    tour.view(|view| *view = View { camera: view.camera, ..View::default() });
+
+    for id in ["radiosity.elements", "radiosity.irradiance", "irradiance_volume.grid"] {
+        tour.view(|view| view.views = vec![id.to_owned()]);
+        tour.wait("the view", |app| !app.is_busy())?;
+        tour.photograph(&id.replace('.', "_"), GRAIN)?;
+    }
+    tour.view(|view| view.views.clear());
+    tour.view(|view| view.weights = [0.0, 0.0, 1.0]);
+    tour.photograph("indirect", GRAIN)?;
+    tour.view(|view| view.weights = [1.0; 3]);
+    let colours = FalseColour { palette: Default::default(), low: 1.0, high: 300.0, logarithmic: true };
+    tour.view(|view| view.display.false_colour = Some(colours));
+    tour.photograph("false_colour", GRAIN)?;
+    tour.view(|view| view.display.false_colour = None);
+
+    tour.drag("Desk lamp", Vec3::new(-0.55, 0.0, 0.1))?;
+    tour.photograph("dragged", GRAIN)?;
+    tour.run(Command::Window(WindowCommand::Theme));
+    tour.photograph("light_theme", GRAIN)?;
+    tour.run(Command::Window(WindowCommand::Theme));
+
+    tour.open(Example::Cornell)?;
+    tour.view(|view| view.compare = Compare::Reference);
+    tour.run(Command::StartReference);
+    tour.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
+    tour.photograph("reference", Duration::ZERO)?;
+    tour.view(|view| view.compare = Compare::Difference);
+    tour.photograph("difference", GRAIN)
+}
+
+struct Tour {
+    harness: Harness<'static, LumenscopeApp>,
+    folder: PathBuf,
+}
+
+impl Tour {
+    fn start(folder: &Path) -> anyhow::Result<Self> {
+        let make = |cc: &mut eframe::CreationContext<'_>| match LumenscopeApp::with_config(
+            cc,
+            Document::default(),
+            &Config::default(),
+        ) {
+            Ok(app) => app,
+            Err(error) => panic!("the window did not start: {error}"),
+        };
+        let build = || Harness::builder().with_size(WINDOW).wgpu().build_eframe(make);
+        // The harness panics where there is no adapter, not even a software one.
+        let harness = std::panic::catch_unwind(build)
+            .map_err(|_| anyhow!("there is no graphics adapter to draw the window with"))?;
+        Ok(Self { harness, folder: folder.to_path_buf() })
+    }
+
+    fn run(&mut self, command: Command) {
+        let ctx = self.harness.ctx.clone();
+        self.harness.state_mut().run(&ctx, command);
+        self.harness.run_steps(2);
+    }
+
+    fn view(&mut self, change: impl FnOnce(&mut View)) {
+        let mut view = self.harness.state().session().document.view.clone();
+        change(&mut view);
+        self.run(Command::View(Box::new(view)));
+    }
+
+    fn open(&mut self, example: Example) -> anyhow::Result<()> {
+        self.run(Command::OpenExample(example));
+        self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+    }
+
+    /// Clicks the viewport at a share of its width and height.
+    fn click_at(&mut self, [x, y]: [f32; 2]) {
+        let rect = self.harness.get_by_label("viewport").rect();
+        let at = rect.lerp_inside(egui::vec2(x, y));
+        self.harness.hover_at(at);
+        self.harness.step();
+        self.harness.drag_at(at);
+        self.harness.step();
+        self.harness.drop_at(at);
+        self.harness.run_steps(2);
+    }
+
+    fn drag(&mut self, name: &str, by: Vec3) -> anyhow::Result<()> {
+        let scene = self.harness.state().session().scene.clone().context("no scene is open")?;
+        let object = scene.objects.iter().position(|o| o.name == name);
+        let target = Target::Object(object.with_context(|| format!("no object is called {name}"))?);
+        self.view(|view| view.selected = Some(target));
+        for step in 1..=4 {
+            let placement = Affine3A::from_translation(by * (step as f32 / 4.0)) * scene.placement(target);
+            self.run(Command::Place { target, placement, dragging: true });
+        }
+        self.run(Command::EndDrag);
+        self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+    }
+
+    fn wait(&mut self, what: &str, done: impl Fn(&LumenscopeApp) -> bool) -> anyhow::Result<()> {
+        let began = Instant::now();
+        loop {
+            self.harness.step();
+            if done(self.harness.state()) {
+                return Ok(());
+            }
+            if let Some(notice) = self.harness.state().notice() {
+                bail!("waiting for {what}: {notice:?}");
+            }
+            if began.elapsed() > PATIENCE {
+                bail!("waited {} s in vain for {what}", PATIENCE.as_secs());
+            }
+            sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Waits for the picture to settle, at most `patience`, and writes the window.
+    fn photograph(&mut self, name: &str, patience: Duration) -> anyhow::Result<()> {
+        let began = Instant::now();
+        self.harness.run_steps(3);
+        while began.elapsed() < patience && !self.harness.state().is_picture_settled() {
+            self.harness.step();
+            sleep(Duration::from_millis(10));
+        }
+        let image = self.harness.render().map_err(|error| anyhow!("the window cannot be drawn: {error}"))?;
+        let path = self.folder.join(format!("{name}.png"));
+        image.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        eprintln!("{}", path.display());
+        Ok(())
+    }
+}
