@@ -46,8 +46,8 @@ pub struct CpuPicture {
     pub difference: Option<FalseColour>,
     kept: Option<Kept>,
     flights: Vec<Flight>,
-    sharp: Option<RenderKey>,
-    wanted: Option<RenderKey>,
+    sharp: Option<(RenderKey, DisplayKey)>,
+    wanted: Option<(RenderKey, DisplayKey)>,
     scale: f64,
 }
 
@@ -89,10 +89,12 @@ impl CpuPicture {
     /// The latest picture, and work started on the next.
     pub fn show(&mut self, ctx: &egui::Context, request: &Request, moving: bool) -> Option<egui::TextureId> {
         self.land(ctx);
-        let key = request.render_key();
-        let changed = self.wanted.as_ref() != Some(&key);
-        let stale = self.shown.as_ref().is_none_or(|(k, _)| *k != key);
-        self.wanted = Some(key);
+        let wanted = Some((request.render_key(), request.display_key()));
+        let changed = self.wanted != wanted;
+        let same_view = self.shown.as_ref().is_some_and(|(k, _)| *k == request.render_key());
+        // A mean that is shown is brought to a new display by itself; anything less is drawn anew.
+        let stale = self.shown != wanted && !(same_view && self.frames > 0);
+        self.wanted = wanted;
         let coarse_flies = self.flights.iter().any(|f| f.stage == Stage::Coarse);
         let comparing = request.compare == Compare::Difference;
         if !coarse_flies && !comparing && stale && (changed || moving || self.texture.is_none()) {
@@ -144,14 +146,17 @@ impl CpuPicture {
             let ratio = (COARSE_SECONDS / landed.seconds.max(1e-4)).sqrt().clamp(0.7, 1.4);
             self.scale = (self.scale * ratio).clamp(0.15, 1.0);
         }
-        let shows_wanted = self.shown.as_ref().is_some_and(|(k, _)| Some(k) == self.wanted.as_ref());
-        let is_wanted = Some(&landed.key) == self.wanted.as_ref();
+        let wanted = self.wanted.as_ref();
+        let shows_wanted = self.shown.as_ref().is_some_and(|(k, _)| wanted.is_some_and(|w| w.0 == *k));
+        let shows_display = self.shown.as_ref() == wanted;
+        let is_wanted = wanted.is_some_and(|w| w.0 == landed.key);
         if let Some(kept) = landed.kept {
             self.kept = Some(kept);
         }
         // Coarse frames of a moment ago still show where things went; anything else that is old does not.
         let late = !is_wanted && (shows_wanted || stage != Stage::Coarse);
-        let worse = shows_wanted && (self.frames > landed.frames || (stage == Stage::Coarse && !self.coarse));
+        let worse = shows_wanted
+            && (self.frames > landed.frames || (stage == Stage::Coarse && !self.coarse && shows_display));
         let noisy = shows_wanted
             && stage == Stage::Mean
             && self.frames == 0
