@@ -44,7 +44,7 @@ pub const VIEWS: &[ViewRow] = &[
         id: "irradiance_volume.spheres",
         systems: &["G2", "G3", "G5", "G8"],
         title: "Volume samples",
-        tooltip: "A sphere at every sample of the irradiance volume. Its colour in direction ω is the irradiance E(ω) = ∫ L(ωᵢ) max(0, ω·ωᵢ) dωᵢ of a surface facing that way, or the radiance L(ω) that arrives from there.",
+        tooltip: "A sphere at every sample of the irradiance volume. Its colour in direction ω is the irradiance E(ω) = ∫ L(ω') max(0, ω·ω') dω' of a surface facing that way, or the radiance L(ω) that arrives from there.",
         build: |input| {
             let s = input.solution;
             Some(volume::volume_spheres(s.volume.as_ref()?, &s.world, &*s.radiosity, input.volume))

@@ -109,7 +109,6 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         directions: Arc::new(Directions::new(bins)),
         transport: None,
         arrivals: Vec::new(),
-        placements: Vec::new(),
         tables,
     })
 }

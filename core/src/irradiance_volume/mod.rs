@@ -43,7 +43,7 @@ use crate::{
 use codec::Texel;
 use direct::{Arrivals, Centres};
 use directions::Directions;
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use grid::BilevelGrid;
 use quadrature::Quadrature;
 use std::sync::Arc;
@@ -59,8 +59,6 @@ pub struct IrradianceVolume {
     transport: Option<Arc<Transport>>,
     /// What arrives from each emitter of the world.
     arrivals: Vec<Arc<Arrivals>>,
-    /// Where objects stood when direct light was asked for.
-    placements: Vec<Affine3A>,
     tables: Tables,
 }
 

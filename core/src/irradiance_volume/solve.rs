@@ -170,19 +170,18 @@ impl IrradianceVolume {
             directions: Arc::new(Directions::new(bins)),
             transport: Some(transport),
             arrivals,
-            placements: world.geometry.world_from_object.clone(),
             tables,
         })
     }
 
     /// The same samples under changed light; a new volume would also refine where a lamp now is. No radiance ray is traced: bins keep the elements they saw.
     ///
-    /// Direct light is asked again of the emitters named by `changed`, or of all of them where an object
-    /// moved, because it may shadow any. What a moved object reflected from where it was stays in the
+    /// Direct light is asked again of the emitters named by `changed`, or of all of them where something
+    /// changed that does not emit, because it may shadow any. What a moved object reflected from where it was stays in the
     /// bins until the volume is built anew. A volume that came from a file keeps its indirect part.
     pub fn relight(&self, world: &World, light: &impl SurfaceLight, changed: &[Target]) -> Self {
-        let moved = self.placements != world.geometry.world_from_object;
-        let all = moved || self.arrivals.len() != world.emitters.len();
+        let emits = |t: &Target| world.emitters.list.iter().any(|e| e.target() == *t);
+        let all = self.arrivals.len() != world.emitters.len() || !changed.iter().all(emits);
         let positions: Vec<Vec3> = self.samples.iter().map(|s| s.position).collect();
         let arrivals: Vec<Arc<Arrivals>> = world
             .emitters
@@ -201,7 +200,7 @@ impl IrradianceVolume {
             Some(t) => light_samples(t, &arrivals, light.radiosity(), &self.settings, self.samples.len()),
             None => self.tables.clone(),
         };
-        Self { arrivals, tables, placements: world.geometry.world_from_object.clone(), ..self.clone() }
+        Self { arrivals, tables, ..self.clone() }
     }
 }
 

@@ -154,12 +154,15 @@ fn irradiance(
                 return Vec3::ZERO;
             }
             let footprint = transport.map.footprint(block * BLOCK + i);
-            let rays = shadow_rays.div_ceil(FOOTPRINT as u32);
-            let sum = footprint.iter().enumerate().fold(Vec3::ZERO, |sum, (k, point)| {
+            // Fewer rays than points, as while something moves: only as many points, evenly chosen.
+            let points = FOOTPRINT.min(shadow_rays.max(1) as usize);
+            let rays = shadow_rays.div_ceil(points as u32);
+            let sum = (0..points).fold(Vec3::ZERO, |sum, point| {
+                let k = point * FOOTPRINT / points;
                 let scramble = hash2(((block * BLOCK + i) * FOOTPRINT + k) as u32, seed);
-                sum + direct::irradiance(world, emitter, point, rays, scramble)
+                sum + direct::irradiance(world, emitter, &footprint[k], rays, scramble)
             });
-            sum / FOOTPRINT as f32
+            sum / points as f32
         }));
     }
     Ok(table)

@@ -55,9 +55,9 @@ impl SolveError {
 }
 
 /// Shadow rays an area emitter and element while something moves.
-const MOVING_SHADOW_RAYS: u32 = 4;
+const MOVING_SHADOW_RAYS: u32 = 2;
 /// Sweeps of the interreflection while something moves; each starts from the last solution.
-const MOVING_SWEEPS: u32 = 4;
+const MOVING_SWEEPS: u32 = 2;
 
 /// The latest solution, and how to bring it up to date.
 pub struct LiveTransport {
@@ -146,7 +146,8 @@ impl LiveTransport {
         }
         self.unsettled |= !changed.is_empty();
         self.current.moved_objects = self.moved_objects();
-        self.finish("follow", start, State::Refining);
+        let settled = !self.unsettled && self.current.moved_objects.is_empty();
+        self.finish("follow", start, if settled { State::Settled } else { State::Refining });
         &self.current
     }
 
@@ -158,9 +159,12 @@ impl LiveTransport {
     pub fn refine(&mut self, progress: &Progress) -> Result<Option<&LightTransportSolution>, SolveError> {
         if std::mem::take(&mut self.unsettled) {
             let start = Instant::now();
-            let targets = std::mem::take(&mut self.coarse);
+            let mut targets = std::mem::take(&mut self.coarse);
+            if targets.iter().any(|t| matches!(t, Target::Object(_))) {
+                targets = self.all_emitters();
+            }
             let RadiositySettings { shadow_rays, max_sweeps, .. } = self.settings.radiosity;
-            self.relight(&[], &targets, shadow_rays, max_sweeps);
+            self.relight(&targets, &targets, shadow_rays, max_sweeps);
             let state = if self.current.moved_objects.is_empty() { State::Settled } else { State::Refining };
             self.finish("relight", start, state);
             return Ok(Some(&self.current));
@@ -175,14 +179,16 @@ impl LiveTransport {
         Ok(Some(&self.current))
     }
 
-    /// Emitters whose shadow rays a change makes stale: lamps that moved, and all emitters when an
-    /// object moved, since it may shadow any.
+    /// Emitters whose shadow rays a change makes stale at once: those that moved, and all of them when
+    /// an object that does not emit moved. What the body of a lamp shadows in the light of others
+    /// waits for [`Self::refine`].
     fn lights_touched(&self, scene: &Scene, changed: &[Target]) -> Vec<Target> {
         let moved = |&&t: &&Target| scene.placement(t) != self.current.scene.placement(t);
         let moved: Vec<Target> = changed.iter().filter(moved).copied().collect();
-        if !moved.iter().any(|t| matches!(t, Target::Object(_))) {
-            return moved;
-        }
+        if moved.iter().all(|t| scene.emits(*t)) { moved } else { self.all_emitters() }
+    }
+
+    fn all_emitters(&self) -> Vec<Target> {
         let mut all: Vec<Target> = self.current.world.emitters.list.iter().map(|e| e.target()).collect();
         all.sort_unstable();
         all.dedup();
