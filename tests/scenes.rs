@@ -172,7 +172,7 @@ fn lamps_of_the_office_give_their_flux() {
         let Emitter::Area(area) = emitter else { continue };
         let name = scene.target_name(emitter.target());
         let expected = match name {
-            "Uplighter" => 8_000.0,
+            "Uplighter" => 10_000.0,
             "Desk lamp" => 600.0,
             _ => continue,
         };

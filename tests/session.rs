@@ -100,7 +100,7 @@ fn solve(scene: &Arc<Scene>) -> LiveTransport {
         ..RadiositySettings::default()
     };
     let volume = VolumeSettings { samples: Some([2, 2, 2]), bins_n: 3, ..VolumeSettings::default() };
-    let settings = SolveSettings { radiosity, volume: Some(volume) };
+    let settings = SolveSettings { radiosity, volume: Some(volume), preview: false };
     LiveTransport::solve(Arc::clone(scene), settings, &Progress::silent(), &mut |_| {}).unwrap()
 }
 

@@ -9,7 +9,10 @@ use anyhow::Result;
 use lumenscope_core::{
     math::progress::{Cancelled, Progress},
     scene::Scene,
-    transport::{LightTransportSolution, live::LiveTransport},
+    transport::{
+        LightTransportSolution,
+        live::{LiveTransport, SolveSettings},
+    },
 };
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -148,7 +151,8 @@ impl Bench {
                     progress.begin("planning");
                     let plan = pipeline::plan(scene);
                     bench.tell(News::Plan(Arc::new(plan.clone())));
-                    Ok(LiveTransport::solve(Arc::clone(scene), plan.solve, progress, &mut |light| {
+                    let settings = SolveSettings { preview: true, ..plan.solve };
+                    Ok(LiveTransport::solve(Arc::clone(scene), settings, progress, &mut |light| {
                         bench.tell(News::Solution(Arc::new(light.clone())));
                     })?)
                 });

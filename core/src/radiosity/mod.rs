@@ -63,7 +63,7 @@ impl Default for RadiositySettings {
             element_spacing_m: None,
             gather_rays: 256,
             shadow_rays: 16,
-            tolerance: 1e-3,
+            tolerance: 2e-4,
             max_sweeps: 200,
             seed: 1,
         }

@@ -23,7 +23,7 @@ pub const SETS: u32 = 64;
 
 /// Irradiance at a receiver, lx per channel, from at least `samples` paths.
 ///
-/// E = ∫ L(ω) cos θ dω (Sun 2008, §2.2), or the part of it asked for. The samples are rounded up to
+/// E = ∫ L(ω) cos θ dω (Greger 1996, Eq. 3.1), or the part of it asked for. The samples are rounded up to
 /// whole sets. Equal arguments give equal results.
 pub fn irradiance(world: &World, receiver: &Receiver, part: Part, samples: u32, seed: u64) -> Estimate {
     irradiance_with(&PathTracer::new(world), receiver, part, samples, seed)

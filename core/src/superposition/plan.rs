@@ -146,7 +146,7 @@ impl Plan {
                 )
             },
         ];
-        Self { lines, solve: SolveSettings { radiosity, volume }, direct_samples }
+        Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
     }
 }
 

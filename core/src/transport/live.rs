@@ -26,6 +26,8 @@ pub struct SolveSettings {
     pub radiosity: RadiositySettings,
     /// Light in the air; `None` where the scene has nothing to light with it.
     pub volume: Option<VolumeSettings>,
+    /// Whether a coarse solution is shown first, for a window that should not stay dark.
+    pub preview: bool,
 }
 
 /// Why there is no solution.
@@ -57,7 +59,24 @@ impl SolveError {
 /// Shadow rays an area emitter and element while something moves.
 const MOVING_SHADOW_RAYS: u32 = 2;
 /// Sweeps of the interreflection while something moves; each starts from the last solution.
-const MOVING_SWEEPS: u32 = 2;
+const MOVING_SWEEPS: u32 = 3;
+
+/// Rays an element of the solution that is shown first.
+const PREVIEW_RAYS: u32 = 32;
+/// Elements across the diagonal of the scene in the solution that is shown first.
+const PREVIEW_ELEMENTS: f32 = 40.0;
+
+/// Settings of the solution that is shown first: a few per cent of the work.
+fn coarse_radiosity(world: &World, settings: &RadiositySettings) -> RadiositySettings {
+    let (low, high) = world.geometry.bounds();
+    let spacing = (high - low).length() / PREVIEW_ELEMENTS;
+    RadiositySettings {
+        gather_rays: settings.gather_rays.min(PREVIEW_RAYS),
+        shadow_rays: settings.shadow_rays.min(MOVING_SHADOW_RAYS),
+        element_spacing_m: Some(settings.element_spacing_m.unwrap_or(0.0).max(spacing)),
+        ..*settings
+    }
+}
 
 /// The latest solution, and how to bring it up to date.
 pub struct LiveTransport {
@@ -94,17 +113,25 @@ impl LiveTransport {
         progress.report(1.0)?;
 
         progress.begin("radiosity");
-        let start = Instant::now();
-        let radiosity = Arc::new(RadiositySolution::solve(&world, &settings.radiosity, progress)?);
-        stage("radiosity", start, &mut provenance);
         let mut current = LightTransportSolution {
             scene: scene.clone(),
             world,
-            radiosity,
+            radiosity: Arc::default(),
             volume: None,
             moved_objects: Vec::new(),
             provenance,
         };
+        if settings.preview {
+            let start = Instant::now();
+            let coarse = coarse_radiosity(&current.world, &settings.radiosity);
+            current.radiosity = Arc::new(RadiositySolution::solve(&current.world, &coarse, progress)?);
+            stage("preview", start, &mut current.provenance);
+            show(&current);
+        }
+        let start = Instant::now();
+        let radiosity = RadiositySolution::solve(&current.world, &settings.radiosity, progress)?;
+        current.radiosity = Arc::new(radiosity);
+        stage("radiosity", start, &mut current.provenance);
         if let Some(volume) = &settings.volume {
             show(&current);
             progress.begin("irradiance volume");
@@ -173,7 +200,8 @@ impl LiveTransport {
             return Ok(None);
         }
         let revision = self.current.provenance.revision;
-        let solved = Self::solve(self.current.scene.clone(), self.settings.clone(), progress, &mut |_| {})?;
+        let settings = SolveSettings { preview: false, ..self.settings.clone() };
+        let solved = Self::solve(self.current.scene.clone(), settings, progress, &mut |_| {})?;
         *self = solved;
         self.current.provenance.revision += revision;
         Ok(Some(&self.current))
