@@ -160,7 +160,7 @@ fn compare(tally: &mut Tally, what: &str, ray: &Ray, accel: &Accel, geometry: &G
 fn ray_of(kind: u64, rng: &mut Rng, geometry: &Geometry, scale: f32) -> Ray {
     let origin = in_box(rng, 1.2) * scale;
     let axis = [Vec3::X, Vec3::Y, Vec3::Z][(rng.next_u32() % 3) as usize];
-    let axis = if rng.next_u32() % 2 == 0 { axis } else { -axis };
+    let axis = if rng.next_u32().is_multiple_of(2) { axis } else { -axis };
     let any = in_box(rng, 1.0).normalize_or(Vec3::X);
     let triangle = rng.next_u32() % geometry.len() as u32;
     let [a, b, c] = geometry.positions[triangle as usize];

@@ -16,6 +16,7 @@ use lumenscope_core::{
     },
 };
 use serde_json::{Value, json};
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -60,7 +61,7 @@ fn quad_gltf() -> Value {
             {"name": "plain", "mesh": 0, "extras": {"movable": true}},
             {"name": "mirrored", "mesh": 0, "scale": [-1, 1, 1]},
             {"name": "bulb", "translation": [0, 3, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}},
-            {"name": "spot", "rotation": [-0.70710678, 0, 0, 0.70710678],
+            {"name": "spot", "rotation": [-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2],
                 "extensions": {"KHR_lights_punctual": {"light": 1}}},
             {"name": "sun", "extensions": {"KHR_lights_punctual": {"light": 2}}},
             {"name": "view", "translation": [0, 1, 5], "camera": 0}

@@ -101,7 +101,8 @@ fn solve(scene: &Arc<Scene>) -> LiveTransport {
     };
     let volume = VolumeSettings { samples: Some([2, 2, 2]), bins_n: 3, ..VolumeSettings::default() };
     let settings = SolveSettings { radiosity, volume: Some(volume), preview: false };
-    LiveTransport::solve(Arc::clone(scene), settings, &Progress::silent(), &mut |_| {}).unwrap()
+    LiveTransport::solve(Arc::clone(scene), settings, &Progress::silent(), &mut |_| {})
+        .expect("the room has a solution")
 }
 
 fn session() -> Session {
@@ -112,7 +113,7 @@ fn session() -> Session {
 
 /// What a session looks like from outside: edits and the scene they make, to the bit.
 fn state(session: &Session) -> String {
-    let scene = session.scene.as_ref().unwrap();
+    let scene = session.scene.as_ref().expect("there is one");
     let objects: Vec<_> = scene.objects.iter().map(|o| (o.world_from_object, o.dimmer)).collect();
     format!("{:?} {objects:?} {:?}", session.document.edits, scene.lamps)
 }

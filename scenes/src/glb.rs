@@ -15,7 +15,7 @@ pub struct Material {
     pub name: &'static str,
     /// Reflectance per channel.
     pub reflectance: [f64; 3],
-    /// Picture multiplied into the reflectance: index into [`Model::pictures`].
+    /// Picture multiplied into the reflectance: index into `Model::pictures`.
     pub picture: Option<usize>,
     /// Emitted radiance, cd/m² per channel.
     pub radiance: [f64; 3],

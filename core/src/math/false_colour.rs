@@ -47,7 +47,7 @@ impl FalseColour {
     /// At most `count` + 2 round values (1, 2 or 5 times a power of ten) inside the range, for a legend.
     pub fn ticks(&self, count: usize) -> Vec<f32> {
         let (low, high) = (self.low as f64, self.high as f64);
-        if !(high > low) || count == 0 {
+        if high.is_nan() || low.is_nan() || high <= low || count == 0 {
             return vec![self.low];
         }
         if self.logarithmic {

@@ -1,6 +1,6 @@
 //! The surface map: every side of every triangle to the elements that carry its light.
 //!
-//! Flat regions get a grid ([`super::charts`]); curved meshes, and flat bits much smaller than the
+//! Flat regions get a grid (`charts`); curved meshes, and flat bits much smaller than the
 //! spacing, get *vertex elements*: corners of one object and material that lie within half a
 //! spacing and face the same way share one. So the number of elements follows the area of a scene,
 //! not its number of triangles. Not a lightmap atlas: nothing here needs unique texture coordinates.

@@ -107,7 +107,7 @@ fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
     let d2 = to_lamp.length_squared();
     let wi = to_lamp / d2.sqrt();
     let cosine = receiver.normal.dot(wi);
-    if !(d2 > 0.0) || cosine <= 0.0 {
+    if d2 == 0.0 || !wi.is_finite() || cosine <= 0.0 {
         return Vec3::ZERO;
     }
     lamp.intensity_towards(-wi) * (cosine / d2)
@@ -145,7 +145,7 @@ fn area_sample(
     if area.double_sided {
         cosine_light = cosine_light.abs();
     }
-    if !(d2 > 0.0) || cosine <= 0.0 || cosine_light <= 0.0 {
+    if d2 == 0.0 || !wi.is_finite() || cosine <= 0.0 || cosine_light <= 0.0 {
         return (0.0, Vec3::ZERO, false);
     }
     let seen = !world.accel.occluded(&Ray::between(

@@ -1,6 +1,6 @@
 //! Scenes from files: RON scenes, glTF, GLB and OBJ models.
 //!
-//! A model file is read into a [`model::Model`], checked and cleaned there ([`sanity`]), and only then
+//! A model file is read into a `model::Model`, checked and cleaned there (`sanity`), and only then
 //! joined to a [`Scene`]; so every format passes the same checks. What a file asks for and this
 //! program lacks becomes one warning line a kind, never a silent loss. Broken data is an error that
 //! names the file and the cause in one line; nothing here panics on any bytes.
@@ -8,7 +8,7 @@
 //! Limits: geometry is triangles with Lambertian materials; skins, animations, morph targets, alpha,
 //! points and lines are named in a warning and left out. The `gltf` crate parses and validates the
 //! JSON only: its own accessor readers and image import panic on out-of-range views, so the binary
-//! data is read by [`accessor`] with every range checked.
+//! data is read by `accessor` with every range checked.
 
 mod accessor;
 mod gltf;
