@@ -50,8 +50,7 @@ fn solved(mut scene: Scene) -> LightTransportSolution {
     let spot = add_point_lamp(&mut scene, Vec3::new(-0.6, 1.7, 0.7), Vec3::ZERO);
     scene.lamps[spot].kind =
         LampKind::Spot { intensity: Vec3::new(9.0, 8.0, 6.0), inner_angle: 0.2, outer_angle: 0.5 };
-    scene.lamps[spot].world_from_lamp =
-        scene.lamps[spot].world_from_lamp * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    scene.lamps[spot].world_from_lamp *= Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
     let sun = add_point_lamp(&mut scene, Vec3::ZERO, Vec3::ZERO);
     scene.lamps[sun].kind = LampKind::Directional { illuminance: Vec3::splat(5.0) };
     scene.lamps[sun].world_from_lamp = Affine3A::from_rotation_y(0.5) * Affine3A::from_rotation_x(-0.3);
