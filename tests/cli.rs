@@ -1,1 +1,148 @@
-//! Tests of cli.
+//! The command line: what it writes, and the one line it leaves when something is wrong.
+
+use lumenscope_core::{io::exr, math::colour::luminance};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+fn scene(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).display().to_string()
+}
+
+fn run(arguments: &[&str]) -> Result<(), String> {
+    let arguments = std::iter::once("lumenscope").chain(arguments.iter().copied());
+    lumenscope::cli::run(arguments.map(Into::into)).map_err(|error| format!("{error:#}"))
+}
+
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_path_buf();
+    (folder, path)
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn render_writes_picture_layers_and_report() {
+    let (_keep, out) = folder();
+    let size = ["--size", "48x32", "--backend", "cpu", "--frames", "2"];
+    let point = scene("analytic/point_over_floor.ron");
+    run(&[&["render", &point, "--out", text(&out)][..], &size].concat()).unwrap();
+    let layers = exr::read_layers(&out.join("layers.exr")).unwrap();
+    let names: Vec<&str> = layers.iter().map(|l| l.0.as_str()).collect();
+    assert_eq!(names, ["", "emitted", "direct", "indirect"]);
+    for (i, picture) in layers[0].1.pixels.iter().enumerate() {
+        let sum = layers[1..].iter().map(|l| l.1.pixels[i]).sum::<glam::Vec3>();
+        assert!((*picture - sum).abs().max_element() <= 1e-5 * picture.max_element(), "pixel {i}");
+    }
+    assert!(layers[0].1.mean().max_element() > 0.0);
+    assert_eq!(image::open(out.join("picture.png")).unwrap().width(), 48);
+    let report = fs::read_to_string(out.join("report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["stage_seconds"]["radiosity"].is_number() && report["plan"].is_array());
+    assert!(report["volume"].is_null(), "nothing moves in this scene: no volume");
+}
+
+#[test]
+fn irradiance_is_that_of_the_closed_form() {
+    let (_keep, out) = folder();
+    let points = out.join("in.csv");
+    fs::write(&points, "x,y,z,nx,ny,nz\n0.1,0,0.1,0,1,0\n1,0,0.5,0,1,0\n").unwrap();
+    let table = out.join("out.csv");
+    for method in ["radiosity", "reference"] {
+        let point = scene("analytic/point_over_floor.ron");
+        let wanted = ["--points", text(&points), "--method", method, "--out", text(&table)];
+        run(&[&["irradiance", &point][..], &wanted].concat()).unwrap();
+        let table = fs::read_to_string(&table).unwrap();
+        for (line, r2) in table.lines().skip(1).zip([0.02f32, 1.25]) {
+            let columns: Vec<f32> = line.split(',').map(|v| v.parse().unwrap()).collect();
+            let expected = 100.0 / (1.0 + r2).powf(1.5);
+            // A point lamp's I cos θ / d² carries nothing but rounding.
+            assert!(
+                (columns[6] / expected - 1.0).abs() < 1e-4,
+                "{method}: {} lx, not {expected}",
+                columns[6]
+            );
+        }
+        assert_eq!(table.lines().next().unwrap().contains("stderr_r"), method == "reference");
+    }
+}
+
+#[test]
+fn probe_and_volume_leave_files_that_open() {
+    let (_keep, out) = folder();
+    let wall = scene("analytic/bright_wall_x.ron");
+    run(&["probe", &wall, "--at", "0,0,0", "--out", text(&out), "--bins", "162"]).unwrap();
+    let layers = exr::read_layers(&out.join("probe.exr")).unwrap();
+    assert_eq!(layers[0].1.width, 9);
+    let report = fs::read_to_string(out.join("probe.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let lit = |axis: &str| report["irradiance_lx"]["all"][axis].as_f64().unwrap();
+    assert!(lit("+x") > 10.0 * lit("-x"), "the bright wall on +x lights the +x side");
+    let file = out.join("room.volume");
+    run(&["volume", &wall, "--out", text(&file)]).unwrap();
+    assert!(lumenscope_core::irradiance_volume::IrradianceVolume::load(&file).unwrap().samples().len() > 8);
+}
+
+#[test]
+fn a_picture_equals_itself_and_resembles_the_reference() {
+    let (_keep, out) = folder();
+    let point = scene("analytic/point_over_floor.ron");
+    let reference = out.join("reference.exr");
+    let small = ["--size", "48x32"];
+    run(&[&["reference", &point, "--out", text(&reference), "--spp", "16"][..], &small].concat()).unwrap();
+    let cpu = ["--backend", "cpu", "--frames", "16"];
+    run(&[&["render", &point, "--out", text(&out)][..], &small, &cpu].concat()).unwrap();
+    let picture = out.join("layers.exr");
+    run(&["compare", text(&picture), text(&picture)]).unwrap();
+    let difference = out.join("difference");
+    run(&["compare", text(&picture), text(&reference), "--out", text(&difference)]).unwrap();
+    let found = exr::read_layers(&difference.join("difference.exr")).unwrap();
+    let wanted = exr::read_layers(&reference).unwrap();
+    let (off, mean) = (luminance(found[0].1.mean()), luminance(wanted[0].1.mean()));
+    // One lamp without area and no bounce: only pixels on the floor's edge differ.
+    assert!(off < 0.02 * mean, "mean difference {off} of {mean} cd/m²");
+}
+
+#[test]
+fn replay_times_every_step() {
+    let (_keep, out) = folder();
+    let script = out.join("drag.ron");
+    fs::write(&script, "(target: \"Lamp\", steps: [(translate: (0.2, 0.0, 0.0)), (dimmer: 0.5)])").unwrap();
+    let point = scene("analytic/point_over_floor.ron");
+    run(&["replay", &point, "--script", text(&script), "--out", text(&out)]).unwrap();
+    let table = fs::read_to_string(out.join("replay.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3);
+    let settled: f32 = table.lines().nth(2).unwrap().split(',').nth(5).unwrap().parse().unwrap();
+    assert!(settled < 1e-5, "a settled drag equals a fresh solve: {settled}");
+}
+
+#[test]
+fn mistakes_are_told_in_one_line_that_names_the_file() {
+    let (_keep, out) = folder();
+    let point = scene("analytic/point_over_floor.ron");
+    let bad = out.join("bad.csv");
+    fs::write(&bad, "x,y,z\n1,2,3\n").unwrap();
+    let file = out.join("file");
+    fs::write(&file, "not a folder").unwrap();
+    let inside = file.join("out");
+    let broken = out.join("broken.glb");
+    fs::write(&broken, b"glTF\x02\0\0\0").unwrap();
+    let cases: [(&[&str], &str); 7] = [
+        (&["check", "no/such/scene.glb"], "no/such/scene.glb"),
+        (&["check", text(&broken)], "broken.glb"),
+        (&["irradiance", &point, "--points", text(&bad), "--method", "volume", "--out", "x"], "bad.csv"),
+        (&["render", &point, "--out", text(&inside), "--size", "8x8"], "out"),
+        (&["probe", &point, "--at", "0,1,0", "--out", text(&out), "--bins", "100"], "100"),
+        (&["compare", text(&broken), text(&broken)], "broken.glb"),
+        (&["replay", &point, "--script", text(&bad), "--out", text(&out)], "bad.csv"),
+    ];
+    for (arguments, named) in cases {
+        let error = run(arguments).expect_err(&format!("{arguments:?} is wrong"));
+        assert!(error.contains(named), "{arguments:?}: {error}");
+        assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
+    }
+}

@@ -12,7 +12,7 @@ use lumenscope_core::{
         pass::{PassSettings, render},
         plan::Plan,
     },
-    transport::live::LiveTransport,
+    transport::live::{LiveTransport, SolveSettings},
 };
 use std::{hint::black_box, path::Path, sync::Arc, time::Duration};
 
@@ -30,7 +30,7 @@ fn main() {
     let world = World::new(&scene);
     let plan = Plan::new(&scene, &world, 0.04, 1);
     rays(&mut criterion, &world);
-    solving(&mut criterion, &path, &scene, &world, &plan);
+    solving(&mut criterion, &path, &world, &plan);
     drags(&mut criterion, &scene, &plan);
     criterion.final_summary();
 }
@@ -55,7 +55,7 @@ fn rays(criterion: &mut Criterion, world: &World) {
     group.finish();
 }
 
-fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &World, plan: &Plan) {
+fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
     let silent = Progress::silent();
     let solve = |settings: &RadiositySettings| RadiositySolution::solve(world, settings, &Progress::silent());
     let Ok(radiosity) = solve(&plan.solve.radiosity) else { return eprintln!("radiosity failed") };
@@ -66,14 +66,13 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &W
     eprintln!("elements {}, volume samples {}", radiosity.direct.len(), volume.samples().len());
 
     let mut group = criterion.benchmark_group("office");
-    group.bench_function("file to first lit picture 640x360 (goal 4 s)", |b| {
+    group
+        .bench_function("file to first lit picture 640x360 (goal 4 s)", |b| b.iter(|| first_lit(path, plan)));
+    group.bench_function("file to settled light", |b| {
         b.iter(|| {
             let scene = Arc::new(import::load(path).unwrap_or_default());
-            let live =
-                LiveTransport::solve(scene.clone(), plan.solve.clone(), &Progress::silent(), &mut |_| {});
-            let settings =
-                PassSettings { direct: DirectQuality::PerPixel(1), frame: 0, jitter: false, seed: 1 };
-            live.map(|l| black_box(render(l.current(), &scene.camera, 640, 360, &settings)))
+            let live = LiveTransport::solve(scene, plan.solve.clone(), &silent, &mut |_| {});
+            black_box(live.is_ok())
         });
     });
     group.bench_function("radiosity", |b| b.iter(|| solve(&plan.solve.radiosity)));
@@ -89,11 +88,31 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Arc<Scene>, world: &W
             (low + (high - low) * at, uniform_direction(rng.next_vec2()))
         })
         .collect();
-    group.bench_function("volume queries, one thread (goal 10 M/s)", |b| {
-        b.iter(|| queries.iter().fold(Vec3::ZERO, |sum, (p, n)| sum + volume.irradiance(*p, *n, Part::All)));
+    group.bench_function("volume queries, nearest bin, one thread (goal 10 M/s)", |b| {
+        let query = |(p, n): &(Vec3, Vec3)| volume.irradiance_nearest_bin(*p, *n, Part::Indirect);
+        b.iter(|| queries.iter().fold(Vec3::ZERO, |sum, q| sum + query(q)));
+    });
+    group.bench_function("volume queries, bins interpolated, one thread", |b| {
+        b.iter(|| {
+            queries.iter().fold(Vec3::ZERO, |sum, (p, n)| sum + volume.irradiance(*p, *n, Part::Indirect))
+        });
     });
     group.finish();
-    drop(scene.clone());
+}
+
+/// Loads the scene, solves it until the first solution is shown, pictures that and stops.
+fn first_lit(path: &Path, plan: &Plan) -> usize {
+    let scene = Arc::new(import::load(path).unwrap_or_default());
+    let settings = SolveSettings { preview: true, ..plan.solve.clone() };
+    let (progress, mut pixels) = (Progress::default(), 0);
+    let camera = scene.camera;
+    let stopped = LiveTransport::solve(scene, settings, &progress, &mut |light| {
+        let settings = PassSettings { direct: DirectQuality::PerPixel(1), ..PassSettings::default() };
+        pixels = render(light, &camera, 640, 360, &settings).1.images[0].pixels.len();
+        progress.cancel();
+    });
+    black_box(stopped.is_err());
+    pixels
 }
 
 fn drags(criterion: &mut Criterion, scene: &Arc<Scene>, plan: &Plan) {

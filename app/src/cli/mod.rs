@@ -16,7 +16,7 @@ mod volume;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::{ffi::OsString, path::PathBuf};
 
 /// See where light flows in a scene, where it came from, and how well a method has captured it.
 #[derive(Parser)]
@@ -86,16 +86,17 @@ enum Job {
     Screenshots(screenshots::Options),
 }
 
-/// Parses the arguments and does what they ask.
+/// Parses arguments, the program's name first, and does what they ask. Prints and leaves the process
+/// where they ask for help or cannot be parsed.
 ///
 /// # Errors
 /// One line naming the file and the cause.
-pub fn run() -> anyhow::Result<()> {
-    let cli = Cli::parse();
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(cli.common.threads)
-        .build_global()
-        .context("cannot start threads")?;
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> {
+    let cli = Cli::parse_from(arguments);
+    if cli.common.threads > 0 {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads);
+        pool.build_global().context("cannot start threads")?;
+    }
     let common = &cli.common;
     match cli.command {
         None => headless::window_or_files(cli.file, common),

@@ -30,9 +30,10 @@ pub struct Options {
     /// Where the picture is computed; `auto` takes a GPU that is not emulated, else the CPU.
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
-    /// Pictures averaged, each with its own sub-pixel offset and shadow rays.
-    #[arg(long, default_value_t = 8)]
-    frames: u32,
+    /// Frames averaged, each with its own sub-pixel offset and two shadow rays an area emitter; as many
+    /// as the plan's shadow rays ask for by default.
+    #[arg(long)]
+    frames: Option<u32>,
 }
 
 /// Where pictures are computed.
@@ -56,8 +57,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let solution = solve::solve(&loaded, false)?;
+    let frames = options.frames.unwrap_or((loaded.plan.direct_samples / 2).max(4));
     let start_picture = Instant::now();
-    let (layers, backend) = picture(&solution, options.size, options.frames, options.backend, common.seed)?;
+    let (layers, backend) = picture(&solution, options.size, frames, options.backend, common.seed)?;
     let picture_seconds = start_picture.elapsed().as_secs_f64();
     let total_seconds = start.elapsed().as_secs_f64();
 

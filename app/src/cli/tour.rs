@@ -46,13 +46,13 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("probe", GRAIN)?;
     tour.view(|view| view.probe = None);
 
-    tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.12));
+    tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.06));
     tour.wait("the volume", |app| app.session().inspection.is_some())?;
     tour.photograph("volume", GRAIN)?;
     tour.view(|view| {
         view.volume.part = Part::Indirect;
         view.volume.slice = Some((1, 0.4));
-        view.volume.size = 0.25;
+        view.volume.size = 0.15;
     });
     tour.photograph("volume_slice", GRAIN)?;
     tour.view(|view| *view = View { camera: view.camera, ..View::default() });

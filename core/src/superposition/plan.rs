@@ -77,7 +77,7 @@ impl Plan {
         });
         let direct_samples = if area_emitters == 0 { 1 } else { (16.0 * effort).clamp(1.0, 256.0) as u32 };
 
-        let elements = 20_000.0;
+        let elements = expected_elements(world, radiosity.element_spacing_m);
         let lines = vec![
             line(
                 "emitted",
@@ -94,9 +94,9 @@ impl Plan {
                 if area_emitters == 0 {
                     "no area emitters: one ray a lamp is exact".into()
                 } else {
-                    "area emitters cast soft shadows".into()
+                    "area emitters cast soft shadows; exact outside penumbrae, at worst this in the middle of one".into()
                 },
-                (area_emitters > 0).then_some(0.5 / (direct_samples as f32).sqrt() * 0.1),
+                (area_emitters > 0).then_some(0.5 / (direct_samples as f32).sqrt()),
                 0.0,
             ),
             PlanLine {
@@ -148,6 +148,16 @@ impl Plan {
         ];
         Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
     }
+}
+
+/// Elements the radiosity room will likely lay out: a grid on large faces, some for each small one.
+fn expected_elements(world: &World, spacing_m: Option<f32>) -> f64 {
+    let geometry = &world.geometry;
+    let (low, high) = geometry.bounds();
+    let spacing = spacing_m.unwrap_or((high - low).length() / 80.0).max(f32::MIN_POSITIVE);
+    let area: f64 =
+        (0..geometry.len() as u32).map(|t| 0.5 * f64::from(geometry.area_normal(t).length())).sum();
+    (area / f64::from(spacing).powi(2)).min(24_000.0) + 0.45 * geometry.len() as f64
 }
 
 fn line(
