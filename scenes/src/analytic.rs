@@ -97,8 +97,8 @@ area(name: \"Lamp\", corner: (-0.5, 1.5, -0.25), edge_u: (1.0, 0.0, 0.0), edge_v
         radiance: (1000.0, 1000.0, 1000.0)),";
 
 const BRIGHT_NOTE: &str = "\
-A unit room whose wall at +x emits 1 cd/m2; nothing reflects. At the centre half the sphere's solid angle
-// is not bright: radiance 1 towards any point of the wall, 0 elsewhere. A receiver facing +x there gets
+A unit room whose wall at +x emits 1 cd/m2; nothing reflects. At the centre it fills a sixth of the sphere:
+// radiance 1 towards any point of the wall, 0 elsewhere. A receiver facing +x there gets
 // E = 4 a/sqrt(a^2+h^2) atan(a/sqrt(a^2+h^2)) with a = h = 0.5, that is 1.7408 lx; one facing -x gets 0.";
 
 fn ron(name: &str, comment: &str, lamps: &str, eye: (f64, f64, f64), fov: f64) -> String {
