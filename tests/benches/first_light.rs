@@ -3,7 +3,7 @@
 use criterion::{Criterion, Throughput};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    irradiance_volume::{IrradianceVolume, VolumeSettings},
+    irradiance_volume::{Basis, IrradianceVolume, VolumeSettings},
     math::{frame::uniform_direction, part::Part, progress::Progress, random::Rng},
     radiosity::{RadiositySettings, RadiositySolution},
     scene::{Scene, Target, accel::Ray, import, world::World},
@@ -88,15 +88,18 @@ fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
             (low + (high - low) * at, uniform_direction(rng.next_vec2()))
         })
         .collect();
-    group.bench_function("volume queries, nearest bin, one thread (goal 10 M/s)", |b| {
-        let query = |(p, n): &(Vec3, Vec3)| volume.irradiance_nearest_bin(*p, *n, Part::Indirect);
-        b.iter(|| queries.iter().fold(Vec3::ZERO, |sum, q| sum + query(q)));
-    });
-    group.bench_function("volume queries, bins interpolated, one thread", |b| {
-        b.iter(|| {
-            queries.iter().fold(Vec3::ZERO, |sum, (p, n)| sum + volume.irradiance(*p, *n, Part::Indirect))
+    let mut answers = vec![Vec3::ZERO; queries.len()];
+    for basis in [Basis::Harmonics, Basis::NearestBin, Basis::Bins] {
+        let volume = volume.with_basis(basis);
+        let name = format!("volume queries, {}, one thread (goal 20 M/s)", basis.name());
+        group.bench_function(&name, |b| {
+            b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
         });
-    });
+        group.bench_function(format!("volume queries, {}, one by one", basis.name()), |b| {
+            let query = |(p, n): &(Vec3, Vec3)| volume.irradiance(*p, *n, Part::Indirect);
+            b.iter(|| queries.iter().fold(Vec3::ZERO, |sum, q| sum + query(q)));
+        });
+    }
     group.finish();
 }
 

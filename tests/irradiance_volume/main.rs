@@ -1,6 +1,8 @@
 //! The irradiance volume against closed forms, hand counts, the reference and itself.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod harmonics;
+
 use glam::{Affine3A, UVec3, Vec2, Vec3};
 use lumenscope_core::{
     irradiance_volume::{

@@ -13,6 +13,7 @@ mod solve;
 mod table;
 mod tour;
 mod volume;
+mod volume_options;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};

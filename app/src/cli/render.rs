@@ -1,6 +1,6 @@
 //! `render`: picture, layers, report.
 
-use super::{Common, parse_size, report, solve};
+use super::{Common, parse_size, report, solve, volume_options::VolumeOptions};
 use clap::{Args, ValueEnum};
 use lumenscope_core::{
     gpu,
@@ -34,6 +34,8 @@ pub struct Options {
     /// as the plan's shadow rays ask for by default.
     #[arg(long)]
     frames: Option<u32>,
+    #[command(flatten)]
+    volume: VolumeOptions,
 }
 
 /// Where pictures are computed.
@@ -54,7 +56,10 @@ pub enum Backend {
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
     let start = Instant::now();
-    let loaded = solve::load(&options.scene, common)?;
+    let mut loaded = solve::load(&options.scene, common)?;
+    if let Some(settings) = &mut loaded.plan.solve.volume {
+        options.volume.apply(settings);
+    }
     let load_seconds = start.elapsed().as_secs_f64();
     let solution = solve::solve(&loaded, false)?;
     let frames = options.frames.unwrap_or((loaded.plan.direct_samples / 2).max(4));

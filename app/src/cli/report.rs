@@ -23,6 +23,8 @@ pub fn volume(volume: &IrradianceVolume) -> Value {
         "valid_samples": samples.iter().filter(|s| s.valid).count(),
         "bins": volume.bins().len(),
         "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),
+        "harmonics_bytes_one_part": size_of_val(volume.harmonics().of(Part::Indirect)),
+        "basis": volume.settings().basis,
         "bytes": volume.bytes(),
     })
 }

@@ -93,12 +93,12 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     }
     grid.set_valid(&samples.iter().map(|s| s.valid).collect::<Vec<_>>());
     let bins = DirectionBins::new(settings.bins_n);
-    let mut table = || -> Result<Arc<Vec<Texel>>, String> {
+    let mut table = || -> Result<Vec<Texel>, String> {
         let raw = take(&mut rest, 6 * samples.len() * bins.len())?;
         let code = |t: &[u8], i: usize| u16::from_le_bytes([t[2 * i], t[2 * i + 1]]);
-        Ok(Arc::new(raw.chunks_exact(6).map(|t| [code(t, 0), code(t, 1), code(t, 2), 0]).collect()))
+        Ok(raw.chunks_exact(6).map(|t| [code(t, 0), code(t, 1), code(t, 2), 0]).collect())
     };
-    let tables = Tables { direct: table()?, indirect: table()? };
+    let tables = Tables::new(bins, table()?, table()?);
     if !rest.is_empty() {
         return Err(format!("{} bytes too many", rest.len()));
     }

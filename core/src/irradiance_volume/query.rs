@@ -1,9 +1,10 @@
 //! Asking the volume: cell, bin, eight samples (Greger §4.3).
 
 use super::{
-    IrradianceVolume,
+    Basis, IrradianceVolume,
     codec::{SCALE, Texel, decode_rgb},
     grid::trilinear,
+    harmonics,
 };
 use crate::{
     math::part::Part,
@@ -30,39 +31,44 @@ pub struct SampleWeights {
     pub level: u8,
 }
 
+/// Samples and weights of a query.
+#[derive(Clone, Copy, Default)]
+struct Corners {
+    ids: [u32; 8],
+    weights: [f32; 8],
+}
+
+/// Queries of a batch that are located before the first is answered, so that their loads overlap.
+const AHEAD: usize = 64;
+
 impl IrradianceVolume {
     /// Irradiance at a point on a surface facing the unit vector `normal`, lx per channel.
     ///
-    /// Trilinear between eight samples and bilinear between the four bins around the normal. A point
-    /// outside the grid is moved to the nearest one inside.
+    /// Trilinear between eight samples, by the basis of the settings. A point outside the grid is moved
+    /// to the nearest one inside.
     pub fn irradiance(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        let (ids, weights) = self.corners(position);
-        let b = self.directions.interpolated(normal);
-        self.sum(part, |table, stride| {
-            let mut sum = [0.0f32; 4];
-            for i in 0..8 {
-                let sample = &table[ids[i] as usize * stride..][..stride];
-                let w = weights[i] * SCALE;
-                for k in 0..4 {
-                    add(&mut sum, &sample[b.bins[k] as usize], w * b.weights[k]);
-                }
-            }
-            sum
-        })
+        match self.settings.basis {
+            Basis::Bins => self.irradiance_bins(position, normal, part),
+            Basis::NearestBin => self.irradiance_nearest_bin(position, normal, part),
+            Basis::Harmonics => self.irradiance_harmonics(position, normal, part),
+        }
+    }
+
+    /// As [`Self::irradiance`], bilinear between the four bins around the normal.
+    pub fn irradiance_bins(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
+        self.between_bins(&self.corners(position), normal, part)
     }
 
     /// As [`Self::irradiance`] but from the one bin that holds the normal, as the thesis has it: faster,
     /// and off by up to half a bin's width in direction.
     pub fn irradiance_nearest_bin(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        let (ids, weights) = self.corners(position);
-        let bin = self.directions.nearest(normal);
-        self.sum(part, |table, stride| {
-            let mut sum = [0.0f32; 4];
-            for i in 0..8 {
-                add(&mut sum, &table[ids[i] as usize * stride + bin], weights[i] * SCALE);
-            }
-            sum
-        })
+        self.of_nearest_bin(&self.corners(position), normal, part)
+    }
+
+    /// As [`Self::irradiance`] but from nine spherical-harmonic coefficients: fastest, and without what
+    /// lies above band 2. Ringing below zero is cut off.
+    pub fn irradiance_harmonics(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
+        self.of_harmonics(&self.corners(position), normal, part)
     }
 
     /// Irradiance with the direct light evaluated at the point itself by `shadow_rays` rays an emitter, and
@@ -92,11 +98,31 @@ impl IrradianceVolume {
     /// If `out` has another length than `queries`.
     pub fn irradiance_many(&self, queries: &[(Vec3, Vec3)], part: Part, out: &mut [Vec3]) {
         assert_eq!(queries.len(), out.len(), "one result a query");
-        queries.par_chunks(1024).zip(out.par_chunks_mut(1024)).for_each(|(queries, out)| {
-            for ((position, normal), out) in queries.iter().zip(out) {
-                *out = self.irradiance(*position, *normal, part);
+        let chunks = queries.par_chunks(1024).zip(out.par_chunks_mut(1024));
+        chunks.for_each(|(queries, out)| self.irradiance_batch(queries, part, out));
+    }
+
+    /// As [`Self::irradiance_many`] on one thread. Cells are found for some dozen queries before the first
+    /// is answered: a third faster than one query after the other.
+    ///
+    /// # Panics
+    /// If `out` has another length than `queries`.
+    pub fn irradiance_batch(&self, queries: &[(Vec3, Vec3)], part: Part, out: &mut [Vec3]) {
+        assert_eq!(queries.len(), out.len(), "one result a query");
+        let mut corners = [Corners::default(); AHEAD];
+        for (queries, out) in queries.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+            for (corners, (position, _)) in corners.iter_mut().zip(queries) {
+                *corners = self.corners(*position);
             }
-        });
+            let located = corners.iter().zip(queries).zip(out);
+            match self.settings.basis {
+                Basis::Bins => located.for_each(|((c, q), out)| *out = self.between_bins(c, q.1, part)),
+                Basis::NearestBin => {
+                    located.for_each(|((c, q), out)| *out = self.of_nearest_bin(c, q.1, part));
+                }
+                Basis::Harmonics => located.for_each(|((c, q), out)| *out = self.of_harmonics(c, q.1, part)),
+            }
+        }
     }
 
     /// Which samples light a point.
@@ -131,11 +157,56 @@ impl IrradianceVolume {
         }
     }
 
-    fn corners(&self, position: Vec3) -> ([u32; 8], [f32; 8]) {
+    /// Irradiance at one sample alone, by a basis.
+    pub(super) fn at_sample(&self, sample: u32, normal: Vec3, part: Part, basis: Basis) -> Vec3 {
+        let corners = Corners { ids: [sample; 8], weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+        match basis {
+            Basis::Bins => self.between_bins(&corners, normal, part),
+            Basis::NearestBin => self.of_nearest_bin(&corners, normal, part),
+            Basis::Harmonics => self.of_harmonics(&corners, normal, part),
+        }
+    }
+
+    #[inline(always)]
+    fn corners(&self, position: Vec3) -> Corners {
         let at = self.grid.locate(position);
         let cell = &self.grid.cells()[at.cell as usize];
         let weights = trilinear(at.offset);
-        (cell.samples, if cell.valid == u8::MAX { weights } else { usable(weights, cell.valid) })
+        let weights = if cell.valid == u8::MAX { weights } else { usable(weights, cell.valid) };
+        Corners { ids: cell.samples, weights }
+    }
+
+    #[inline(always)]
+    fn between_bins(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
+        let b = self.directions.interpolated(normal);
+        self.sum(part, |table, stride| {
+            let mut sum = [0.0f32; 4];
+            for i in 0..8 {
+                let sample = &table[ids[i] as usize * stride..][..stride];
+                let w = weights[i] * SCALE;
+                for k in 0..4 {
+                    add(&mut sum, &sample[b.bins[k] as usize], w * b.weights[k]);
+                }
+            }
+            sum
+        })
+    }
+
+    #[inline(always)]
+    fn of_nearest_bin(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
+        let bin = self.directions.nearest(normal);
+        self.sum(part, |table, stride| {
+            let mut sum = [0.0f32; 4];
+            for i in 0..8 {
+                add(&mut sum, &table[ids[i] as usize * stride + bin], weights[i] * SCALE);
+            }
+            sum
+        })
+    }
+
+    #[inline(always)]
+    fn of_harmonics(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
+        harmonics::evaluate(self.tables.harmonics.of(part), ids, weights, &harmonics::towards(normal))
     }
 
     #[inline(always)]

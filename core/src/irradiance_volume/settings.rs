@@ -8,6 +8,33 @@ use crate::{
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
 
+/// What a query reads: bins or spherical harmonics. Both are kept, so changing it costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// Bilinear between the four bins around the normal.
+    #[default]
+    Bins,
+    /// The one bin that holds the normal, as the thesis has it.
+    NearestBin,
+    /// Nine spherical-harmonic coefficients.
+    Harmonics,
+}
+
+impl Basis {
+    /// Every basis.
+    pub const ALL: [Self; 3] = [Self::Bins, Self::NearestBin, Self::Harmonics];
+
+    /// Name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bins => "bins, interpolated",
+            Self::NearestBin => "nearest bin",
+            Self::Harmonics => "nine harmonics",
+        }
+    }
+}
+
 /// What an irradiance volume is built with.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
@@ -28,6 +55,8 @@ pub struct VolumeSettings {
     pub seed: u64,
     /// Share of a sample's rays that may hit back faces before it counts as inside a solid.
     pub back_face_limit: f32,
+    /// What queries read.
+    pub basis: Basis,
 }
 
 impl Default for VolumeSettings {
@@ -41,6 +70,7 @@ impl Default for VolumeSettings {
             direct_samples: 16,
             seed: 0,
             back_face_limit: 0.25,
+            basis: Basis::Bins,
         }
     }
 }

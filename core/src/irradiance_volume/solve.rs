@@ -253,7 +253,7 @@ fn light_samples(
             }
         },
     );
-    Tables { direct: Arc::new(direct), indirect: Arc::new(indirect) }
+    Tables::new(transport.quadrature.bins(), direct, indirect)
 }
 
 /// One thread's working memory.

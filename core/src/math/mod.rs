@@ -1,4 +1,4 @@
-//! The mathematics every room shares: frames, sphere mappings, random numbers, colour, images.
+//! The mathematics every room shares: frames, sphere mappings, spherical harmonics, random numbers, colour, images.
 
 pub mod colour;
 pub mod false_colour;
@@ -8,3 +8,4 @@ pub mod part;
 pub mod progress;
 pub mod random;
 pub mod sphere_map;
+pub mod spherical_harmonics;

@@ -148,6 +148,12 @@ impl Plan {
         ];
         Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
     }
+
+    /// Settings of the irradiance volume; plans one where the scene needs none.
+    pub fn volume_settings(&mut self) -> &mut VolumeSettings {
+        let seed = self.solve.radiosity.seed;
+        self.solve.volume.get_or_insert_with(|| VolumeSettings { seed, ..VolumeSettings::default() })
+    }
 }
 
 /// Elements the radiosity room will likely lay out: a grid on large faces, some for each small one.
