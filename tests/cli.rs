@@ -90,6 +90,36 @@ fn probe_and_volume_leave_files_that_open() {
 }
 
 #[test]
+fn placement_writes_numbers_a_table_and_a_map_and_warns() {
+    let (_keep, out) = folder();
+    let point = scene("analytic/point_over_floor.ron");
+    let plane = "Floor";
+    let task = ["--task", "Technical drawing", "--max-lx", "1e5"];
+    run(&[&["placement", &point, "--plane", plane, "--out", text(&out)][..], &task].concat()).unwrap();
+    let report = fs::read_to_string(out.join("placement.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["sufficient"], false);
+    let warnings = report["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|w| w.as_str().unwrap().contains("of 750 lx")), "{warnings:?}");
+    let table = fs::read_to_string(out.join("placement.csv")).unwrap();
+    let mut sum = 0.0;
+    for line in table.lines().skip(1) {
+        let c: Vec<f32> = line.split(',').map(|v| v.parse().unwrap()).collect();
+        let (x, h, z, found) = (c[2], 1.0 - c[3], c[4], c[5]);
+        // 100 cd at one metre over the floor: I h / d³, up to rounding.
+        let expected = 100.0 * h / (h * h + x * x + z * z).powf(1.5);
+        assert!((found / expected - 1.0).abs() < 1e-4, "{line}: {expected} lx");
+        sum += found;
+    }
+    let (points, mean) = (table.lines().count() - 1, report["statistics"]["mean_lx"].as_f64().unwrap());
+    assert!((f64::from(sum) / points as f64 / mean - 1.0).abs() < 1e-4);
+    assert!(image::open(out.join("placement.png")).unwrap().width() >= 520);
+    let top = ["--plane", "nothing of that name"];
+    let error = run(&[&["placement", &point, "--out", text(&out)][..], &top].concat()).unwrap_err();
+    assert!(error.contains("nothing of that name") && error.contains("point_over_floor"), "{error}");
+}
+
+#[test]
 fn a_picture_equals_itself_and_resembles_the_reference() {
     let (_keep, out) = folder();
     let point = scene("analytic/point_over_floor.ron");

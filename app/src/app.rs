@@ -14,6 +14,7 @@ use crate::{
         notice::{self, DropAnswer, Notice},
         status::{self, Badge},
     },
+    placement::PLACEMENT,
     session::{Document, Effect, Session},
     session_file::{self, RecentFiles},
     viewport::Viewport,
@@ -170,6 +171,12 @@ impl LumenscopeApp {
                     self.carry_out(ctx, Effect::Inspect);
                 }
                 News::Plan(plan) => self.session.plan = Some(plan),
+                News::Measured(measured) => {
+                    self.session.measurement = measured;
+                    if self.session.document.view.views.iter().any(|v| v == PLACEMENT) {
+                        self.carry_out(ctx, Effect::Inspect);
+                    }
+                }
                 News::Inspection(made) => {
                     let view = &self.session.document.view;
                     let wanted = view.volume.shown || !view.views.is_empty();
@@ -215,6 +222,7 @@ impl LumenscopeApp {
         {
             self.session.log.warn(format!("the list of recent files was not saved: {error:#}"));
         }
+        self.carry_out(ctx, Effect::Measure);
         self.carry_out(ctx, Effect::Follow { dragging: false });
     }
 

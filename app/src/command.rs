@@ -2,6 +2,7 @@
 
 use crate::{
     examples::Example,
+    placement::Placement,
     session::{Document, View},
 };
 use glam::Affine3A;
@@ -26,6 +27,13 @@ pub enum Command {
         target: Target,
         /// Factor on its emission.
         dimmer: f32,
+        /// Whether more of the same is to come: successive ones merge into one undo step.
+        dragging: bool,
+    },
+    /// Choose where illuminance is measured, and what is asked of it.
+    Measure {
+        /// The choice.
+        placement: Box<Placement>,
         /// Whether more of the same is to come: successive ones merge into one undo step.
         dragging: bool,
     },

@@ -1,5 +1,6 @@
 //! The document: the open scene, what the user changed in it, and how it is looked at.
 
+use crate::placement::Placement;
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     math::part::Part,
@@ -30,6 +31,9 @@ pub struct Edits {
     pub placements: BTreeMap<Target, Affine3A>,
     /// New dimmers.
     pub dimmers: BTreeMap<Target, f32>,
+    /// Where illuminance is measured, and what is asked of it.
+    #[serde(default)]
+    pub placement: Placement,
 }
 
 /// How the scene is looked at.
@@ -157,6 +161,10 @@ impl Edits {
             dropped.extend(problem.iter().map(|p| format!("dimmer of {target:?} left out: {p}")));
             problem.is_none()
         });
+        if let Some(problem) = self.placement.problem(scene) {
+            dropped.push(format!("where illuminance is measured was left out: {problem}"));
+            self.placement = Placement::default();
+        }
         dropped
     }
 }

@@ -14,13 +14,16 @@ pub enum Key {
     Place(Target),
     /// How far it is dimmed.
     Dim(Target),
+    /// Where illuminance is measured, and what is asked of it.
+    Placement,
 }
 
 impl Key {
-    /// The target it changes.
-    pub fn target(self) -> Target {
+    /// The target it changes, if it is one.
+    pub fn target(self) -> Option<Target> {
         match self {
-            Self::Place(target) | Self::Dim(target) => target,
+            Self::Place(target) | Self::Dim(target) => Some(target),
+            Self::Placement => None,
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod history;
 pub mod journal;
 pub mod panels;
 pub mod pipeline;
+pub mod placement;
 pub mod session;
 pub mod session_file;
 pub mod theme;

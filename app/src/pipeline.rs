@@ -3,6 +3,7 @@
 use crate::{
     document::Document,
     examples,
+    placement::Placement,
     session::Reference,
     session_file,
     widgets::Probe,
@@ -11,7 +12,11 @@ use crate::{
 use anyhow::{Result, bail};
 use lumenscope_core::{
     inspection::{InspectionScene, SphereGlyph},
-    irradiance_volume::{inspect as volume_inspect, probe::Quantity},
+    irradiance_volume::{
+        inspect as volume_inspect,
+        placement::{self, MeasureSettings, Measurement},
+        probe::Quantity,
+    },
     math::progress::Progress,
     reference::picture::ReferencePicture,
     registry::{self, ViewInput},
@@ -23,7 +28,7 @@ use lumenscope_core::{
         world::World,
     },
     superposition::plan::{DEFAULT_TOLERANCE, Plan},
-    transport::LightTransportSolution,
+    transport::{LightTransportSolution, solution::State},
 };
 use std::{
     path::{Path, PathBuf},
@@ -121,6 +126,20 @@ pub fn probe(
     Ok(Probe::at(&solution.world, &*solution.radiosity, position, n, SUPERSAMPLE, SEED)?)
 }
 
+/// Illuminance where a placement says; with the settings for moving things until the light is settled.
+pub fn measure(solution: &LightTransportSolution, placement: &Placement) -> Option<Measurement> {
+    let (name, grid) = placement.grid(&solution.scene, &solution.world.geometry)?;
+    let fine = MeasureSettings {
+        maintenance_factor: placement.maintenance_factor,
+        seed: SEED,
+        ..MeasureSettings::default()
+    };
+    let settled = solution.provenance.state == State::Settled;
+    let settings = if settled { fine } else { fine.moving() };
+    let volume = solution.volume.as_deref();
+    Some(placement::measure(&solution.world, &*solution.radiosity, volume, &name, grid, &settings))
+}
+
 /// What the views switched on put into the scene; `None` when none is.
 pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
     let (low, high) = request.solution.world.geometry.bounds();
@@ -137,7 +156,12 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
             (axis, low[a] + share.clamp(0.0, 1.0) * (high[a] - low[a]))
         }),
     };
-    let input = ViewInput { solution: &request.solution, probe: request.probe.as_deref(), volume: &volume };
+    let input = ViewInput {
+        solution: &request.solution,
+        probe: request.probe.as_deref(),
+        volume: &volume,
+        placement: request.measurement.as_deref().map(|m| (m, &request.requirement)),
+    };
     let spheres = shown.shown.then_some(SPHERES);
     let ids = spheres.into_iter().chain(request.views.iter().map(String::as_str).filter(|v| *v != SPHERES));
     ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
@@ -158,6 +182,7 @@ fn merge(mut first: InspectionScene, second: InspectionScene) -> InspectionScene
     }
     first.meshes.extend(second.meshes);
     first.lines.extend(second.lines);
+    first.labels.extend(second.labels);
     first.images.extend(second.images);
     first.curves.extend(second.curves);
     first.notes.extend(second.notes);

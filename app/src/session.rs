@@ -16,6 +16,7 @@ use crate::{
 };
 use lumenscope_core::{
     inspection::InspectionScene,
+    irradiance_volume::placement::Measurement,
     math::image::LinearImage,
     scene::{Scene, Target},
     superposition::plan::Plan,
@@ -44,6 +45,8 @@ pub struct Session {
     pub probe: Option<Arc<Probe>>,
     /// What the scene needs, and why.
     pub plan: Option<Arc<Plan>>,
+    /// Illuminance where it is measured.
+    pub measurement: Option<Arc<Measurement>>,
     /// What the views switched on put into the scene.
     pub inspection: Option<Arc<InspectionScene>>,
     /// What happened.
@@ -76,6 +79,8 @@ pub enum Effect {
     },
     /// The probe moved: sample it anew.
     Probe,
+    /// Measure where the document says, from now on.
+    Measure,
     /// Make what the views show.
     Inspect,
     /// Path-trace the view, from the start if the view or scene changed.
@@ -153,6 +158,7 @@ impl Session {
         self.reference = None;
         self.probe = None;
         self.plan = None;
+        self.measurement = None;
         self.inspection = None;
     }
 
@@ -181,17 +187,24 @@ impl Session {
                     e.dimmers.insert(target, dimmer);
                 })
             }
+            Command::Measure { placement, dragging } => {
+                let problem =
+                    self.base.as_deref().map_or(Some(NOTHING_OPEN), |scene| placement.problem(scene));
+                self.edit(Key::Placement, dragging, problem, |e| e.placement = *placement)
+            }
             Command::EndDrag => {
                 self.history.end_drag();
                 if self.scene.is_some() { vec![Effect::Follow { dragging: false }] } else { Vec::new() }
             }
             Command::Undo => {
-                let stepped = self.history.undo(&mut self.document.edits);
-                self.after_step(stepped)
+                let before = self.document.edits.clone();
+                self.history.undo(&mut self.document.edits);
+                self.follow_edits(&before, false)
             }
             Command::Redo => {
-                let stepped = self.history.redo(&mut self.document.edits);
-                self.after_step(stepped)
+                let before = self.document.edits.clone();
+                self.history.redo(&mut self.document.edits);
+                self.follow_edits(&before, false)
             }
             Command::View(view) => self.look(*view),
             Command::Replace(document) => vec![Effect::Reload(document)],
@@ -235,7 +248,8 @@ impl Session {
         change: impl FnOnce(&mut Edits),
     ) -> Vec<Effect> {
         if let Some(problem) = problem {
-            self.log.warn(format!("{}: {problem}", self.name(key.target())));
+            let name = key.target().map_or("the measurement".into(), |target| self.name(target));
+            self.log.warn(format!("{name}: {problem}"));
             return Vec::new();
         }
         let mut after = self.document.edits.clone();
@@ -243,12 +257,19 @@ impl Session {
         if after == self.document.edits {
             return Vec::new();
         }
+        let before = self.document.edits.clone();
         self.history.edit(&mut self.document.edits, after, key, dragging);
-        self.rebuild(dragging)
+        self.follow_edits(&before, dragging)
     }
 
-    fn after_step(&mut self, stepped: bool) -> Vec<Effect> {
-        if stepped { self.rebuild(false) } else { Vec::new() }
+    /// What a step from `before` asks for: the light follows the scene, the measurement its choice.
+    fn follow_edits(&mut self, before: &Edits, dragging: bool) -> Vec<Effect> {
+        let after = &self.document.edits;
+        let measured = after.placement != before.placement;
+        let lit = after.placements != before.placements || after.dimmers != before.dimmers;
+        let mut effects = if lit { self.rebuild(dragging) } else { Vec::new() };
+        effects.extend(measured.then_some(Effect::Measure));
+        effects
     }
 
     fn rebuild(&mut self, dragging: bool) -> Vec<Effect> {

@@ -8,6 +8,7 @@ mod bench;
 
 use crate::{
     pipeline::{Loaded, Source},
+    placement::Placement,
     session::{Reference, VolumeView},
     widgets::Probe,
 };
@@ -15,6 +16,7 @@ use bench::Bench;
 use glam::Vec3;
 use lumenscope_core::{
     inspection::InspectionScene,
+    irradiance_volume::placement::{Measurement, requirement::Requirement},
     math::progress::Progress,
     scene::{Scene, camera::Camera},
     superposition::{composite::Display, plan::Plan},
@@ -38,6 +40,8 @@ pub enum News {
     Plan(Arc<Plan>),
     /// A probe was sampled.
     Probe(Arc<Probe>),
+    /// Illuminance was measured; `None` where there is nothing to measure.
+    Measured(Option<Arc<Measurement>>),
     /// What the views show was made.
     Inspection(Option<Arc<InspectionScene>>),
     /// The reference has more samples.
@@ -66,6 +70,10 @@ pub struct InspectRequest {
     pub solution: Arc<LightTransportSolution>,
     /// The open spheres.
     pub probe: Option<Arc<Probe>>,
+    /// Illuminance where it is measured.
+    pub measurement: Option<Arc<Measurement>>,
+    /// What is asked of it.
+    pub requirement: Requirement,
     /// How the volume is shown.
     pub volume: VolumeView,
     /// Ids of the views switched on.
@@ -129,6 +137,10 @@ struct Slots {
     refine: bool,
     probe: Option<ProbeRequest>,
     inspect: Option<InspectRequest>,
+    /// What is measured whenever the light changes.
+    placement: Placement,
+    /// Whether it has not been measured in the latest light.
+    measure: bool,
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
     job: Option<Job>,
@@ -191,6 +203,7 @@ impl Worker {
             || slots.refine
             || slots.probe.is_some()
             || slots.inspect.is_some()
+            || slots.measure
             || !slots.exports.is_empty()
     }
 
@@ -202,6 +215,8 @@ impl Worker {
             slots.refine = false;
             slots.probe = None;
             slots.inspect = None;
+            slots.placement = Placement::default();
+            slots.measure = false;
             slots.reference = Some(None);
         });
     }
@@ -214,6 +229,14 @@ impl Worker {
     /// Samples a probe.
     pub fn probe(&self, request: ProbeRequest) {
         self.put(Rank::Probe, |slots| slots.probe = Some(request));
+    }
+
+    /// Measures illuminance there, now and whenever the light changes.
+    pub fn measure(&self, placement: Placement) {
+        self.put(Rank::Inspect, |slots| {
+            slots.placement = placement;
+            slots.measure = true;
+        });
     }
 
     /// Makes what the views show.

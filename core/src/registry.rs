@@ -4,6 +4,7 @@ use crate::{
     inspection::InspectionScene,
     irradiance_volume::{
         inspect::{self as volume, VolumeView},
+        placement::{self, Measurement, requirement::Requirement},
         probe::{Probe, Quantity},
     },
     math::part::Part,
@@ -33,6 +34,8 @@ pub struct ViewInput<'a> {
     pub probe: Option<&'a Probe>,
     /// How the volume is shown.
     pub volume: &'a VolumeView,
+    /// Illuminance where it is measured, and what is asked of it.
+    pub placement: Option<(&'a Measurement, &'a Requirement)>,
 }
 
 /// Radius of an open probe's spheres, as a share of the scene's diagonal.
@@ -77,6 +80,13 @@ pub const VIEWS: &[ViewRow] = &[
                 PROBE_RADIUS * (high - low).length(),
             ))
         },
+    },
+    ViewRow {
+        id: "irradiance_volume.placement",
+        systems: &["G10"],
+        title: "Illuminance where it is measured",
+        tooltip: "Illuminance E = ∫ L(ω) max(0, n·ω) dω in lx on the measuring plane or object's top chosen under Placement, with lines of equal illuminance; that of the required mean is red.",
+        build: |input| input.placement.map(|(measured, wanted)| placement::inspect::scene(measured, wanted)),
     },
     ViewRow {
         id: "radiosity.elements",

@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod harmonics;
+mod placement;
 
 use glam::{Affine3A, UVec3, Vec2, Vec3};
 use lumenscope_core::{

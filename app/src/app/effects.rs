@@ -40,6 +40,7 @@ impl LumenscopeApp {
                     self.worker.probe(ProbeRequest { position, n: view.probe_bins_n });
                 }
             }
+            Effect::Measure => self.worker.measure(self.session.document.edits.placement.clone()),
             Effect::Inspect => self.inspect(),
             Effect::Reference => {
                 let size = self.picture_size(REFERENCE_WIDTH);
@@ -66,6 +67,8 @@ impl LumenscopeApp {
         self.worker.inspect(InspectRequest {
             solution,
             probe: self.session.probe.clone(),
+            measurement: self.session.measurement.clone(),
+            requirement: self.session.document.edits.placement.requirement.clone(),
             volume: view.volume.clone(),
             views: view.views.clone(),
         });

@@ -3,6 +3,8 @@
 mod compare;
 mod headless;
 mod irradiance;
+pub mod placement;
+mod placement_map;
 mod probe;
 mod reference;
 mod render;
@@ -63,6 +65,11 @@ enum Job {
     /// Build and save the irradiance volume.
     #[command(after_help = "Example: lumenscope volume scenes/office/office.ron --out office.volume")]
     Volume(volume::Options),
+    /// Illuminance on a plane or an object's top: numbers, map, and what a task still lacks.
+    #[command(
+        after_help = "Example: lumenscope placement scenes/office/office.ron --plane Desk --task \"Writing, reading, screens\" --out out"
+    )]
+    Placement(placement::Options),
     /// Path-traced picture with the variance of every pixel.
     #[command(
         after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256"
@@ -105,6 +112,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Irradiance(options)) => irradiance::run(&options, common),
         Some(Job::Probe(options)) => probe::run(&options, common),
         Some(Job::Volume(options)) => volume::run(&options, common),
+        Some(Job::Placement(options)) => placement::run(&options, common),
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),

@@ -11,7 +11,14 @@ use clap::Args;
 use lumenscope_core::{
     inspection::InspectionScene,
     io::png::write_png as write_pixels,
-    irradiance_volume::{inspect::VolumeView, probe::Probe},
+    irradiance_volume::{
+        inspect::VolumeView,
+        placement::{
+            MeasureSettings,
+            requirement::{PRESETS, Preset},
+        },
+        probe::Probe,
+    },
     math::{colour::luminance, false_colour::FalseColour},
     registry::{VIEWS, ViewInput},
     superposition::{
@@ -73,7 +80,15 @@ pub fn write_pictures(
     let (buffer, _) = pass::render(solution, camera, width, height, &settings);
     let look = camera.target - camera.eye;
     let probe = Probe::at(&solution.world, &*solution.radiosity, camera.eye + look * 0.6, 17, 1, 1)?;
-    let input = ViewInput { solution, probe: Some(&probe), volume: &VolumeView::default() };
+    let plane = solution.scene.planes.first().map_or("", |p| &p.name);
+    let measured = super::placement::measured(solution, plane, 3, &MeasureSettings::default()).ok();
+    let writing = PRESETS.iter().find(|p| p.mean_lx == Some(500.0)).map(Preset::requirement);
+    let input = ViewInput {
+        solution,
+        probe: Some(&probe),
+        volume: &VolumeView::default(),
+        placement: measured.as_ref().zip(writing.as_ref()),
+    };
     let mut legends = serde_json::Map::new();
     for view in VIEWS {
         let Some(scene) = (view.build)(&input) else { continue };

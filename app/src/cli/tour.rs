@@ -5,6 +5,7 @@ use crate::{
     app::Config,
     command::{Command, Window as WindowCommand},
     examples::Example,
+    placement::{PLACEMENT, Placement, Site},
     session::{Compare, Document, View},
 };
 use anyhow::{Context, anyhow, bail};
@@ -71,6 +72,20 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("false_colour", GRAIN)?;
     tour.view(|view| view.display.false_colour = None);
 
+    let writing = lumenscope_core::irradiance_volume::placement::requirement::PRESETS
+        .iter()
+        .find(|p| p.mean_lx == Some(500.0))
+        .map(|p| p.requirement())
+        .unwrap_or_default();
+    let placement = Placement { site: Some(Site::Plane(0)), requirement: writing, ..Placement::default() };
+    tour.run(Command::Measure { placement: Box::new(placement), dragging: false });
+    tour.view(|view| view.views = vec![PLACEMENT.to_owned()]);
+    tour.click("Placement");
+    tour.wait("the measurement", |app| app.session().measurement.is_some() && !app.is_busy())?;
+    tour.photograph("placement", GRAIN)?;
+    tour.view(|view| view.views.clear());
+    tour.click("Spheres");
+
     tour.drag("Desk lamp", Vec3::new(-0.55, 0.0, 0.1))?;
     tour.photograph("dragged", GRAIN)?;
     tour.run(Command::Window(WindowCommand::Theme));
@@ -123,6 +138,12 @@ impl Tour {
     fn open(&mut self, example: Example) -> anyhow::Result<()> {
         self.run(Command::OpenExample(example));
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+    }
+
+    /// Clicks the widget with a label.
+    fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.harness.run_steps(2);
     }
 
     /// Clicks the viewport at a share of its width and height.

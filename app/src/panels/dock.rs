@@ -1,6 +1,6 @@
 //! The dock: the viewport with the panels around it, to be dragged about as the user likes.
 
-use super::{layers, log, plan, readout, scene, views};
+use super::{layers, log, placement, plan, readout, scene, views};
 use crate::{
     command::Command,
     session::{Session, View},
@@ -30,6 +30,8 @@ pub enum Pane {
     Sphere,
     /// Numbers at the point picked.
     Readout,
+    /// Illuminance where it is measured, held against a task.
+    Placement,
     /// The log.
     Log,
     /// The rendering plan.
@@ -46,6 +48,7 @@ impl Pane {
             Self::Views => "Views",
             Self::Sphere => "Spheres",
             Self::Readout => "Read-out",
+            Self::Placement => "Placement",
             Self::Log => "Log",
             Self::Plan => "Plan",
         }
@@ -137,7 +140,7 @@ fn layout() -> Tree<Pane> {
     };
     let scene = tabs(&[Pane::Scene]);
     let layers = tabs(&[Pane::Layers, Pane::Views]);
-    let spheres = tabs(&[Pane::Sphere]);
+    let spheres = tabs(&[Pane::Sphere, Pane::Placement]);
     let readout = tabs(&[Pane::Readout]);
     let log = tabs(&[Pane::Log, Pane::Plan]);
     let viewport = tiles.insert_pane(Pane::Viewport);
@@ -204,6 +207,7 @@ impl Frame<'_, '_> {
             Pane::Views => views::show(ui, session, self.shown.inspection, &mut self.out),
             Pane::Sphere => self.out.extend(sphere_inspector::show(ui, session.probe.as_deref(), view)),
             Pane::Readout => readout::show(ui, self.pick.as_ref()),
+            Pane::Placement => placement::show(ui, session, &mut self.out),
             Pane::Log => log::show(ui, self.log, &session.log),
             Pane::Plan => plan::show(ui, session),
         }

@@ -7,6 +7,7 @@ pub mod layers;
 pub mod log;
 pub mod menu;
 pub mod notice;
+pub mod placement;
 pub mod plan;
 pub mod readout;
 pub mod scene;

@@ -256,6 +256,9 @@ impl Viewport {
         if let (Some(solution), Some(glance)) = (input.solution, &self.interaction.glance) {
             overlay::read_out(painter, screen, solution, glance);
         }
+        if let (Some(inspection), Some(solution)) = (input.inspection, input.solution) {
+            overlay::labels(painter, screen, &solution.world, &inspection.labels);
+        }
         let mut legends: Vec<(Legend, _)> = Vec::new();
         if let Some(colours) = painted.and_then(|p| p.difference) {
             legends.push((luminance_legend("luminance difference", [colours.low, colours.high]), colours));

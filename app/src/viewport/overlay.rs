@@ -5,10 +5,13 @@ use crate::widgets::number;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    inspection::Label,
     scene::{
         Scene, Target,
         lamp::{Lamp, LampKind},
+        world::World,
     },
+    superposition::gbuffer::first_visible,
     transport::{LightTransportSolution, solution::State},
 };
 
@@ -235,6 +238,40 @@ pub fn status(
     let at = screen.rect.min + vec2(24.0, 18.0);
     let rect = tag(painter, at, Align2::LEFT_CENTER, &text);
     painter.circle_filled(pos2(rect.min.x - 7.0, rect.center().y), 4.0, dot);
+}
+
+/// Draws the words of a view that nothing stands in front of, the strong ones on plates.
+pub fn labels(painter: &Painter, screen: &Screen, world: &World, labels: &[Label]) {
+    let mut taken: Vec<Rect> = Vec::new();
+    // Strong words first: where two would overlap, the later one is left out.
+    let (strong, plain): (Vec<&Label>, Vec<&Label>) = labels.iter().partition(|l| l.strong);
+    for label in strong.into_iter().chain(plain) {
+        let Some((at, _)) = screen.project(label.position) else { continue };
+        let eye = screen.camera.eye;
+        // Words stand off what they are written on by less than this share of their distance.
+        let hidden = first_visible(world, eye, label.position - eye).is_some_and(|hit| hit.t < 0.995);
+        if hidden || !screen.rect.contains(at) {
+            continue;
+        }
+        let ink = Color32::from_gray(240);
+        let galley = painter.layout_no_wrap(label.text.clone(), FontId::proportional(11.0), ink);
+        let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size());
+        if taken.iter().any(|t| t.intersects(rect.expand(1.0))) {
+            continue;
+        }
+        taken.push(rect);
+        if label.strong {
+            painter.rect_filled(rect.expand2(vec2(4.0, 1.0)), 3.0, Color32::from_black_alpha(170));
+        } else {
+            let shadow = painter.layout_no_wrap(
+                label.text.clone(),
+                FontId::proportional(11.0),
+                Color32::from_black_alpha(200),
+            );
+            painter.galley(rect.min + vec2(1.0, 1.0), shadow, Color32::BLACK);
+        }
+        painter.galley(rect.min, galley, Color32::WHITE);
+    }
 }
 
 /// Draws what the cursor is on.

@@ -2,6 +2,7 @@
 
 pub mod legend;
 pub mod number;
+pub mod placement_map;
 pub mod radial_plot;
 pub mod sphere_image;
 pub mod sphere_inspector;

@@ -4,7 +4,7 @@ use super::{
     ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared, Slots,
     Source,
 };
-use crate::{export, pipeline};
+use crate::{export, pipeline, placement::Placement};
 use anyhow::Result;
 use lumenscope_core::{
     math::progress::{Cancelled, Progress},
@@ -25,6 +25,7 @@ enum Task {
     Light(Arc<Scene>, bool),
     Refine,
     Probe(ProbeRequest),
+    Measure(Placement),
     Inspect(Box<InspectRequest>),
     Export(Box<ExportRequest>),
     Reference(Option<ReferenceRequest>),
@@ -39,11 +40,13 @@ pub(super) struct Bench {
     live: Option<LiveTransport>,
     solution: Option<Arc<LightTransportSolution>>,
     reference: Option<pipeline::ReferenceWork>,
+    /// Whether the last task was light: then what is watched of it goes first.
+    lit: bool,
 }
 
 impl Bench {
     pub(super) fn new(shared: Arc<Shared>, news: Sender<News>, wake: Box<dyn Fn() + Send>) -> Self {
-        Self { shared, news, wake, live: None, solution: None, reference: None }
+        Self { shared, news, wake, live: None, solution: None, reference: None, lit: false }
     }
 
     /// Works until told to quit.
@@ -54,6 +57,7 @@ impl Bench {
                 Task::Light(scene, dragging) => self.light(&scene, dragging),
                 Task::Refine => self.refine(),
                 Task::Probe(request) => self.probe(&request),
+                Task::Measure(placement) => self.measure(&placement),
                 Task::Inspect(request) => {
                     let made = self.job("Making the views", Rank::Inspect, |_, progress| {
                         progress.begin("views");
@@ -75,22 +79,33 @@ impl Bench {
     }
 
     /// The task wanted most; waits for one. `None` to quit.
-    fn next(&self) -> Option<Task> {
-        let mut slots = self.shared.slots();
+    fn next(&mut self) -> Option<Task> {
+        let shared = Arc::clone(&self.shared);
+        let mut slots = shared.slots();
         loop {
             if slots.quit {
                 return None;
             }
             if let Some(task) = self.take(&mut slots) {
+                self.lit = matches!(task, Task::Light(..) | Task::Refine);
                 return Some(task);
             }
-            slots = self.shared.wake.wait(slots).unwrap_or_else(PoisonError::into_inner);
+            slots = shared.wake.wait(slots).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
     fn take(&self, slots: &mut Slots) -> Option<Task> {
         if let Some(source) = slots.load.take() {
             return Some(Task::Load(source));
+        }
+        // Between two steps of a drag, what is watched of the light: else it would wait for the drag's end.
+        if self.solution.is_some() && std::mem::take(&mut slots.measure) {
+            return Some(Task::Measure(slots.placement.clone()));
+        }
+        if self.lit
+            && let Some(request) = slots.inspect.take()
+        {
+            return Some(Task::Inspect(Box::new(request)));
         }
         if let Some((scene, dragging)) = slots.scene.take() {
             return Some(Task::Light(scene, dragging));
@@ -158,6 +173,7 @@ impl Bench {
                 });
                 self.solution = live.as_ref().map(|l| Arc::new(l.current().clone()));
                 self.live = live;
+                self.shared.slots().measure = true;
             }
         }
     }
@@ -178,7 +194,22 @@ impl Bench {
 
     fn show(&mut self, light: Arc<LightTransportSolution>) {
         self.solution = Some(Arc::clone(&light));
+        self.shared.slots().measure = true;
         self.tell(News::Solution(light));
+    }
+
+    fn measure(&mut self, placement: &Placement) {
+        let Some(solution) = self.solution.clone() else { return };
+        if placement.site.is_none() {
+            return self.tell(News::Measured(None));
+        }
+        let measured = self.job("Measuring illuminance", Rank::Stop, |_, progress| {
+            progress.begin("illuminance");
+            Ok(pipeline::measure(&solution, placement))
+        });
+        if let Some(measured) = measured {
+            self.tell(News::Measured(measured.map(Arc::new)));
+        }
     }
 
     fn probe(&mut self, request: &ProbeRequest) {

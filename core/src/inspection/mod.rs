@@ -16,6 +16,8 @@ pub struct InspectionScene {
     pub meshes: Vec<ColouredMesh>,
     /// Lines in the scene.
     pub lines: Vec<Line>,
+    /// Words in the scene, drawn by whoever has a font.
+    pub labels: Vec<Label>,
     /// Images beside the scene.
     pub images: Vec<NamedImage>,
     /// Curves beside the scene.
@@ -57,6 +59,17 @@ pub struct Line {
     pub ends: [Vec3; 2],
     /// Display colour, linear RGB in [0, 1].
     pub colour: Vec3,
+}
+
+/// A word in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Where its middle is, m.
+    pub position: Vec3,
+    /// The word.
+    pub text: String,
+    /// Whether it stands on a ground of its own, to be read over anything.
+    pub strong: bool,
 }
 
 /// An image beside the scene.

@@ -29,6 +29,7 @@ pub mod grid;
 pub mod harmonics;
 pub mod inspect;
 pub mod overlap;
+pub mod placement;
 pub mod probe;
 pub mod quadrature;
 pub mod query;
