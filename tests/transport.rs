@@ -4,8 +4,9 @@ use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     irradiance_volume::VolumeSettings,
     math::{colour::luminance, part::Part, progress::Progress},
-    radiosity::RadiositySettings,
-    scene::{Scene, Target, direct::Receiver, direct::total_irradiance},
+    radiosity::{RadiositySettings, surface_map::SurfaceMap},
+    scene::{Scene, Target, direct::Receiver, direct::total_irradiance, world::World},
+    superposition::plan::{Component, Plan},
     transport::{
         live::{LiveTransport, SolveSettings},
         solution::State,
@@ -181,4 +182,60 @@ fn threads_do_not_change_a_byte() {
         })
     };
     assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn other_settings_solve_what_they_change_and_end_where_a_fresh_solve_would() {
+    let scene = Arc::new(cornell());
+    let live = solve(&scene);
+    let before = live.current();
+    let with = |settings: SolveSettings| {
+        live.with_settings(scene.clone(), settings, &Progress::silent(), &mut |_| {})
+            .expect("it can be solved")
+    };
+    let volume = VolumeSettings { samples: Some([3, 3, 3]), bins_n: 4, ..VolumeSettings::default() };
+    let finer = with(SolveSettings { volume: Some(volume.clone()), ..settings() });
+    assert!(Arc::ptr_eq(&finer.current().radiosity, &before.radiosity), "light on surfaces stays");
+    let built = finer.current().volume.as_ref().expect("there is a volume");
+    // Every cell of so small a room holds geometry: 2·2 + 1 samples an axis over both levels.
+    assert_eq!((built.samples().len(), built.bins().n()), (125, 4));
+    let none = with(SolveSettings { volume: None, ..settings() });
+    assert!(none.current().volume.is_none() && Arc::ptr_eq(&none.current().radiosity, &before.radiosity));
+
+    // Shadow rays leave the transport; spacing does not.
+    let shadows = RadiositySettings { shadow_rays: 4, ..settings().radiosity };
+    let relit = with(SolveSettings { radiosity: shadows, volume: None, ..settings() });
+    assert!(Arc::ptr_eq(relit.current().radiosity.transport(), before.radiosity.transport()));
+    let coarse = RadiositySettings { element_spacing_m: Some(0.3), ..settings().radiosity };
+    let coarse = SolveSettings { radiosity: coarse, volume: Some(volume), ..settings() };
+    let again = with(coarse.clone());
+    let fresh = LiveTransport::solve(scene.clone(), coarse, &Progress::silent(), &mut |_| {})
+        .expect("the box has a solution");
+    assert_eq!(again.current().radiosity.indirect, fresh.current().radiosity.indirect);
+    assert_eq!(again.current().provenance.state, State::Settled);
+}
+
+#[test]
+fn the_plan_says_what_is_built() {
+    for spacing in [None, Some(0.25)] {
+        let mut scene = cornell();
+        scene.plan.element_spacing_m = spacing;
+        let world = World::new(&scene);
+        let plan = Plan::new(&scene, &world, 0.04, 1);
+        let line = |c: Component| plan.lines.iter().find(|l| l.component == c).expect("every line is there");
+        let map = SurfaceMap::new(&world.geometry, plan.solve.radiosity.element_spacing_m)
+            .expect("it has a layout");
+        let radiosity = line(Component::Radiosity);
+        let said = format!("every {:.4} m", map.spacing_m);
+        assert!(
+            radiosity.settings.contains(said.trim_end_matches(" m").trim_end_matches('0')),
+            "{radiosity:?}, {said}"
+        );
+        assert_eq!(radiosity.overridden, spacing.is_some());
+        let volume = plan.solve.volume.as_ref().expect("the block can be moved");
+        let grid = volume.grid(&world).expect("it has a grid");
+        let samples = format!("{} samples of 578 bins", grid.places().len());
+        assert!(line(Component::IrradianceVolume).settings.starts_with(&samples), "{:?}", plan.lines);
+        assert!(Component::Radiosity.freed(&scene.plan) == Default::default());
+    }
 }

@@ -7,7 +7,7 @@ mod effects;
 mod keys;
 
 use crate::{
-    command::Command,
+    command::{Command, Window as WindowCommand},
     panels::{
         dock::{Dock, Shown},
         empty, help, menu,
@@ -52,6 +52,10 @@ pub struct LumenscopeApp {
     render_state: Option<egui_wgpu::RenderState>,
     notice: Option<Notice>,
     dropped: Option<PathBuf>,
+    /// What would lose unsaved edits, until the user has said what to do about them.
+    asked: Option<Command>,
+    /// Whether the window may close whatever is unsaved.
+    leaving: bool,
     help: bool,
     alone: bool,
     lit: Option<Instant>,
@@ -87,6 +91,8 @@ impl LumenscopeApp {
             render_state: cc.wgpu_render_state.clone(),
             notice: None,
             dropped: None,
+            asked: None,
+            leaving: false,
             help: false,
             alone: false,
             lit: None,
@@ -141,8 +147,21 @@ impl LumenscopeApp {
         self.notice.as_ref()
     }
 
-    /// Carries a command out.
+    /// What waits for the user to say whether unsaved edits are saved, if anything does.
+    pub fn asked(&self) -> Option<&Command> {
+        self.asked.as_ref()
+    }
+
+    /// Carries a command out; one that would lose unsaved edits asks first.
     pub fn run(&mut self, ctx: &egui::Context, command: Command) {
+        if command.leaves() && self.session.is_dirty() {
+            self.asked = Some(command);
+        } else {
+            self.run_anyway(ctx, command);
+        }
+    }
+
+    fn run_anyway(&mut self, ctx: &egui::Context, command: Command) {
         for effect in self.session.apply(command) {
             self.carry_out(ctx, effect);
         }
@@ -208,14 +227,15 @@ impl LumenscopeApp {
             self.session.log.warn(warning.clone());
         }
         let shown = loaded.session_file.clone().or_else(|| loaded.document.scene.clone());
-        if loaded.added_only {
-            self.session.reopen(loaded.document.added, scene);
+        let effects = if loaded.added_only {
+            self.session.reopen(loaded.document.edits.added, scene)
         } else {
             self.session.open(loaded.document, scene, loaded.session_file, loaded.fresh);
             self.viewport = Viewport::new();
             self.dock.pick = None;
             self.notice = None;
-        }
+            vec![Effect::Follow { dragging: false }]
+        };
         self.session.log.info(format!("{name} opened: {triangles} triangles"));
         if let Some(path) = shown
             && let Err(error) = self.recent.add(&path)
@@ -223,7 +243,9 @@ impl LumenscopeApp {
             self.session.log.warn(format!("the list of recent files was not saved: {error:#}"));
         }
         self.carry_out(ctx, Effect::Measure);
-        self.carry_out(ctx, Effect::Follow { dragging: false });
+        for effect in effects {
+            self.carry_out(ctx, effect);
+        }
     }
 
     fn fail(&mut self, title: String, text: String) {
@@ -241,6 +263,12 @@ impl LumenscopeApp {
     fn windows(&mut self, ctx: &egui::Context) {
         help::show(ctx, &mut self.help);
         notice::show(ctx, &mut self.notice);
+        if let Some(command) = self.asked.clone()
+            && let Some(answer) = notice::ask_unsaved(ctx, &self.session)
+        {
+            self.asked = None;
+            self.leave(ctx, answer, command);
+        }
         if let Some(path) = self.dropped.clone()
             && let Some(answer) = notice::ask_drop(ctx, &path)
         {
@@ -262,6 +290,10 @@ impl LumenscopeApp {
 impl eframe::App for LumenscopeApp {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        if !self.leaving && self.session.is_dirty() && ctx.input(|i| i.viewport().close_requested()) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.asked = Some(Command::Window(WindowCommand::Quit));
+        }
         self.take_news(&ctx);
         let mut out = Vec::new();
         keys::commands(&ctx, &self.session, &mut out);

@@ -6,7 +6,7 @@ use crate::{
     session::{Document, View},
 };
 use glam::Affine3A;
-use lumenscope_core::scene::Target;
+use lumenscope_core::scene::{Target, file::PlanOverrides};
 use std::path::PathBuf;
 
 /// One thing the user asked for.
@@ -37,6 +37,8 @@ pub enum Command {
         /// Whether more of the same is to come: successive ones merge into one undo step.
         dragging: bool,
     },
+    /// Override the rendering plan; what the overrides leave open is chosen from the scene.
+    Plan(PlanOverrides),
     /// A drag ended: the next edit is its own undo step.
     EndDrag,
     /// Change how the scene is looked at.
@@ -69,6 +71,13 @@ pub enum Command {
     Dialog(Dialog),
     /// Change the window, not the session.
     Window(Window),
+}
+
+impl Command {
+    /// Whether it leaves the open document: what is not saved would be lost.
+    pub fn leaves(&self) -> bool {
+        matches!(self, Self::Open(_) | Self::OpenExample(_) | Self::Replace(_) | Self::Window(Window::Quit))
+    }
 }
 
 /// What a file is asked for.

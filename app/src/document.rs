@@ -4,7 +4,7 @@ use crate::placement::Placement;
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     math::part::Part,
-    scene::{Scene, Target, camera::Camera},
+    scene::{Scene, Target, camera::Camera, file::PlanOverrides},
     superposition::composite::{DirectQuality, Display},
 };
 use serde::{Deserialize, Serialize};
@@ -15,9 +15,6 @@ use std::{collections::BTreeMap, path::PathBuf};
 pub struct Document {
     /// Scene file, or `example:NAME` (see [`crate::examples`]); `None` before one is open.
     pub scene: Option<PathBuf>,
-    /// Model files added to it as movable objects, in the order they were added.
-    #[serde(default)]
-    pub added: Vec<PathBuf>,
     /// What the user changed in the scene.
     pub edits: Edits,
     /// How it is looked at.
@@ -27,6 +24,12 @@ pub struct Document {
 /// What the user changed in the scene; whatever is not listed is as the file says.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Edits {
+    /// Model files added as movable objects, in the order they were added.
+    #[serde(default)]
+    pub added: Vec<PathBuf>,
+    /// Overrides of the rendering plan, instead of those of the scene file.
+    #[serde(default)]
+    pub plan: Option<PlanOverrides>,
     /// New placements.
     pub placements: BTreeMap<Target, Affine3A>,
     /// New dimmers.
@@ -130,9 +133,13 @@ impl Default for View {
 }
 
 impl Edits {
-    /// The scene with these edits made; edits of targets it does not have are passed over.
+    /// The scene with these edits made, the added models in it already; edits of targets it does not
+    /// have are passed over.
     pub fn applied(&self, base: &Scene) -> Scene {
         let mut scene = base.clone();
+        if let Some(plan) = &self.plan {
+            scene.plan = plan.clone();
+        }
         for (&target, &placement) in &self.placements {
             if is_movable(&scene, target) {
                 scene.place(target, placement);
@@ -151,6 +158,10 @@ impl Edits {
     /// Drops whatever a scene cannot follow; returns one line for each.
     pub fn retain_valid(&mut self, scene: &Scene) -> Vec<String> {
         let mut dropped = Vec::new();
+        if let Some((name, value)) = self.plan.as_ref().and_then(PlanOverrides::problem) {
+            dropped.push(format!("overrides of the plan left out: {name} is {value}"));
+            self.plan = None;
+        }
         self.placements.retain(|&target, placement| {
             let problem = place_problem(scene, target, placement);
             dropped.extend(problem.iter().map(|p| format!("placement of {target:?} left out: {p}")));

@@ -16,16 +16,10 @@ pub enum Key {
     Dim(Target),
     /// Where illuminance is measured, and what is asked of it.
     Placement,
-}
-
-impl Key {
-    /// The target it changes, if it is one.
-    pub fn target(self) -> Option<Target> {
-        match self {
-            Self::Place(target) | Self::Dim(target) => Some(target),
-            Self::Placement => None,
-        }
-    }
+    /// Overrides of the plan.
+    Plan,
+    /// Models added.
+    Added,
 }
 
 /// The steps so far.

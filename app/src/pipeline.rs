@@ -81,7 +81,7 @@ pub fn load(source: Source, progress: &Progress) -> Result<Loaded> {
         Source::Document(document) | Source::Models(document) => (*document, None, false),
     };
     let Some(path) = &document.scene else { bail!("the session names no scene") };
-    let mut scene = read_scene(&examples::resolve(path)?, &document.added)?;
+    let mut scene = read_scene(&examples::resolve(path)?, &document.edits.added)?;
     progress.begin("checking");
     let findings = check::check(&scene).into_iter().filter(|f| f.severity == Severity::Warning);
     scene.warnings.extend(findings.map(|f| format!("{}: {}; {}", f.object, f.what, f.advice)));

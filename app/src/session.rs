@@ -33,7 +33,7 @@ pub struct Session {
     pub file: Option<PathBuf>,
     /// Undo and redo of the document's edits.
     pub history: History,
-    /// The scene as its files say.
+    /// The scene as its files say, with the models added.
     pub base: Option<Arc<Scene>>,
     /// The scene with the edits made.
     pub scene: Option<Arc<Scene>>,
@@ -51,7 +51,9 @@ pub struct Session {
     pub inspection: Option<Arc<InspectionScene>>,
     /// What happened.
     pub log: Journal,
-    saved: Document,
+    /// The scene for each list of added models that undo and redo can come back to.
+    bases: Vec<(Vec<PathBuf>, Arc<Scene>)>,
+    saved: Edits,
 }
 
 /// The reference picture so far.
@@ -68,8 +70,10 @@ pub struct Reference {
 pub enum Effect {
     /// Load a scene or session file.
     Load(PathBuf),
-    /// Load the document again, now with other models in it.
-    Reload(Box<Document>),
+    /// Load the scene of a document.
+    Replace(Box<Document>),
+    /// Load the open scene with one more model in it.
+    AddModel(PathBuf),
     /// Load an example.
     LoadExample(Example),
     /// The scene changed: let the light follow. `dragging` while more of the same is to come.
@@ -104,7 +108,7 @@ pub enum Effect {
 impl Session {
     /// Whether there is something a save would keep.
     pub fn is_dirty(&self) -> bool {
-        self.document.edits != self.saved.edits || self.document.added != self.saved.added
+        self.document.edits != self.saved
     }
 
     /// Whether the light belongs to the scene with the edits made.
@@ -131,7 +135,7 @@ impl Session {
     /// Marks the document as written to `file`.
     pub fn set_saved(&mut self, file: PathBuf) {
         self.file = Some(file);
-        self.saved = self.document.clone();
+        self.saved = self.document.edits.clone();
     }
 
     /// Takes a scene that has been loaded for `document`; a document that names no camera of its own
@@ -149,8 +153,9 @@ impl Session {
         }
         document.view.selected = document.view.selected.filter(|&t| exists(&scene, t));
         self.scene = Some(Arc::new(document.edits.applied(&scene)));
+        self.bases = vec![(document.edits.added.clone(), Arc::clone(&scene))];
         self.base = Some(scene);
-        self.saved = document.clone();
+        self.saved = document.edits.clone();
         self.document = document;
         self.file = file;
         self.history = History::default();
@@ -162,12 +167,14 @@ impl Session {
         self.inspection = None;
     }
 
-    /// Takes the same document with models added: the edits and their history stay.
-    pub fn reopen(&mut self, added: Vec<PathBuf>, scene: Arc<Scene>) {
-        self.document.added = added;
-        self.scene = Some(Arc::new(self.document.edits.applied(&scene)));
-        self.base = Some(scene);
-        self.reference = None;
+    /// Takes the open scene with models added, as one step of the history.
+    pub fn reopen(&mut self, added: Vec<PathBuf>, scene: Arc<Scene>) -> Vec<Effect> {
+        self.bases.retain(|(models, _)| *models != added);
+        self.bases.push((added.clone(), scene));
+        let before = self.document.edits.clone();
+        let after = Edits { added, ..before.clone() };
+        self.history.edit(&mut self.document.edits, after, Key::Added, false);
+        self.follow_edits(&before, false)
     }
 
     /// Carries a command out, as far as that needs no thread, no file and no window.
@@ -176,6 +183,7 @@ impl Session {
             Command::Place { target, placement, dragging } => {
                 let problem =
                     self.base.as_deref().map_or(Some(NOTHING_OPEN), |s| place_problem(s, target, &placement));
+                let problem = problem.map(|p| format!("{}: {p}", self.name(target)));
                 self.edit(Key::Place(target), dragging, problem, |e| {
                     e.placements.insert(target, placement);
                 })
@@ -183,6 +191,7 @@ impl Session {
             Command::Dim { target, dimmer, dragging } => {
                 let problem =
                     self.base.as_deref().map_or(Some(NOTHING_OPEN), |s| dim_problem(s, target, dimmer));
+                let problem = problem.map(|p| format!("{}: {p}", self.name(target)));
                 self.edit(Key::Dim(target), dragging, problem, |e| {
                     e.dimmers.insert(target, dimmer);
                 })
@@ -190,7 +199,18 @@ impl Session {
             Command::Measure { placement, dragging } => {
                 let problem =
                     self.base.as_deref().map_or(Some(NOTHING_OPEN), |scene| placement.problem(scene));
+                let problem = problem.map(|p| format!("the measurement: {p}"));
                 self.edit(Key::Placement, dragging, problem, |e| e.placement = *placement)
+            }
+            Command::Plan(overrides) => {
+                let problem = match &self.base {
+                    None => Some(NOTHING_OPEN.to_owned()),
+                    Some(_) => {
+                        overrides.problem().map(|(name, value)| format!("plan: {name} cannot be {value}"))
+                    }
+                };
+                let of_file = self.base.as_ref().is_some_and(|base| base.plan == overrides);
+                self.edit(Key::Plan, false, problem, |e| e.plan = (!of_file).then_some(overrides))
             }
             Command::EndDrag => {
                 self.history.end_drag();
@@ -207,17 +227,11 @@ impl Session {
                 self.follow_edits(&before, false)
             }
             Command::View(view) => self.look(*view),
-            Command::Replace(document) => vec![Effect::Reload(document)],
+            Command::Replace(document) => vec![Effect::Replace(document)],
             Command::Open(path) => vec![Effect::Load(path)],
             Command::OpenExample(example) => vec![Effect::LoadExample(example)],
-            Command::AddModel(path) => {
-                if self.base.is_none() {
-                    return vec![Effect::Load(path)];
-                }
-                let mut document = self.document.clone();
-                document.added.push(path);
-                vec![Effect::Reload(Box::new(document))]
-            }
+            Command::AddModel(path) if self.base.is_some() => vec![Effect::AddModel(path)],
+            Command::AddModel(path) => vec![Effect::Load(path)],
             Command::SaveSession(path) => self.if_open(Effect::Save(path)),
             Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
             Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
@@ -244,12 +258,11 @@ impl Session {
         &mut self,
         key: Key,
         dragging: bool,
-        problem: Option<&str>,
+        problem: Option<String>,
         change: impl FnOnce(&mut Edits),
     ) -> Vec<Effect> {
         if let Some(problem) = problem {
-            let name = key.target().map_or("the measurement".into(), |target| self.name(target));
-            self.log.warn(format!("{name}: {problem}"));
+            self.log.warn(problem);
             return Vec::new();
         }
         let mut after = self.document.edits.clone();
@@ -266,15 +279,21 @@ impl Session {
     fn follow_edits(&mut self, before: &Edits, dragging: bool) -> Vec<Effect> {
         let after = &self.document.edits;
         let measured = after.placement != before.placement;
-        let lit = after.placements != before.placements || after.dimmers != before.dimmers;
+        let lit = Edits { placement: before.placement.clone(), ..after.clone() } != *before;
         let mut effects = if lit { self.rebuild(dragging) } else { Vec::new() };
         effects.extend(measured.then_some(Effect::Measure));
         effects
     }
 
     fn rebuild(&mut self, dragging: bool) -> Vec<Effect> {
-        let Some(base) = &self.base else { return Vec::new() };
-        self.scene = Some(Arc::new(self.document.edits.applied(base)));
+        let edits = &self.document.edits;
+        let known = self.bases.iter().find(|(added, _)| *added == edits.added);
+        let Some((_, base)) = known else { return Vec::new() };
+        let scene = edits.applied(base);
+        let view = &mut self.document.view;
+        view.selected = view.selected.filter(|&t| exists(&scene, t));
+        self.base = Some(Arc::clone(base));
+        self.scene = Some(Arc::new(scene));
         let mut effects = vec![Effect::Follow { dragging }];
         effects.extend(self.outdate_reference());
         effects

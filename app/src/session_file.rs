@@ -26,7 +26,7 @@ pub fn write(path: &Path, document: &Document) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut stored = document.clone();
     stored.scene = stored.scene.map(|scene| relative_to(folder, &scene));
-    stored.added = stored.added.iter().map(|model| relative_to(folder, model)).collect();
+    stored.edits.added = stored.edits.added.iter().map(|model| relative_to(folder, model)).collect();
     let text = ron::ser::to_string_pretty(&stored, ron::ser::PrettyConfig::default())
         .with_context(|| format!("{}: the session cannot be written as RON", path.display()))?;
     let partial = path.with_extension("lumenscope-part");
@@ -47,7 +47,7 @@ pub fn read(path: &Path) -> Result<Document> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let absolute = |p: PathBuf| if is_portable(&p) { p } else { folder.join(p) };
     document.scene = document.scene.map(absolute);
-    document.added = document.added.into_iter().map(absolute).collect();
+    document.edits.added = std::mem::take(&mut document.edits.added).into_iter().map(absolute).collect();
     Ok(document)
 }
 

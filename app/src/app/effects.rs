@@ -3,6 +3,7 @@
 use super::LumenscopeApp;
 use crate::{
     command::{Command, Dialog, Window},
+    panels::notice::UnsavedAnswer,
     pipeline::Source,
     session::Effect,
     session_file,
@@ -20,14 +21,11 @@ impl LumenscopeApp {
         match effect {
             Effect::Load(path) => self.worker.load(Source::File(path)),
             Effect::LoadExample(example) => self.worker.load(Source::File(example.key().into())),
-            Effect::Reload(document) => {
-                let same_scene = self.session.document.scene == document.scene;
-                let more = document.added.len() > self.session.document.added.len();
-                self.worker.load(if same_scene && more && self.session.base.is_some() {
-                    Source::Models(document)
-                } else {
-                    Source::Document(document)
-                });
+            Effect::Replace(document) => self.worker.load(Source::Document(document)),
+            Effect::AddModel(path) => {
+                let mut document = self.session.document.clone();
+                document.edits.added.push(path);
+                self.worker.load(Source::Models(Box::new(document)));
             }
             Effect::Follow { dragging } => {
                 if let Some(scene) = self.session.scene.clone() {
@@ -52,7 +50,7 @@ impl LumenscopeApp {
             Effect::ExportPicture(path) => self.export(path, true),
             Effect::ExportLayers(path) => self.export(path, false),
             Effect::Cancel => self.worker.cancel(),
-            Effect::Dialog(dialog) => self.ask(dialog, ctx),
+            Effect::Dialog(dialog) => self.ask(dialog, None, ctx),
             Effect::Window(window) => self.change_window(window, ctx),
         }
     }
@@ -115,11 +113,27 @@ impl LumenscopeApp {
         });
     }
 
-    fn ask(&mut self, dialog: Dialog, ctx: &egui::Context) {
+    /// Asks for a file; `then` is carried out after the command that follows from the answer.
+    fn ask(&mut self, dialog: Dialog, then: Option<Command>, ctx: &egui::Context) {
         let name = self.session.scene.as_ref().map_or("scene", |s| s.name.as_str());
         let sender = self.chosen.0.clone();
-        if let Err(error) = ask_for_file(dialog, name, sender, ctx.clone()) {
+        if let Err(error) = ask_for_file(dialog, name, then, sender, ctx.clone()) {
             self.fail("The file dialog did not open".into(), error.to_string());
+        }
+    }
+
+    /// Does what was answered about unsaved edits, then what would have lost them.
+    pub(super) fn leave(&mut self, ctx: &egui::Context, answer: UnsavedAnswer, command: Command) {
+        match (answer, self.session.file.clone()) {
+            (UnsavedAnswer::Cancel, _) => {}
+            (UnsavedAnswer::Discard, _) => self.run_anyway(ctx, command),
+            (UnsavedAnswer::Save, Some(file)) => {
+                self.run(ctx, Command::SaveSession(file));
+                if !self.session.is_dirty() {
+                    self.run_anyway(ctx, command);
+                }
+            }
+            (UnsavedAnswer::Save, None) => self.ask(Dialog::SaveSession, Some(command), ctx),
         }
     }
 
@@ -135,7 +149,10 @@ impl LumenscopeApp {
                 egui::Theme::Dark => egui::Theme::Light,
                 egui::Theme::Light => egui::Theme::Dark,
             }),
-            Window::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Window::Quit => {
+                self.leaving = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
         }
     }
 }
@@ -145,6 +162,7 @@ impl LumenscopeApp {
 fn ask_for_file(
     dialog: Dialog,
     name: &str,
+    then: Option<Command>,
     sender: Sender<Command>,
     ctx: egui::Context,
 ) -> std::io::Result<()> {
@@ -181,6 +199,9 @@ fn ask_for_file(
         };
         // Without a receiver the window is gone.
         let _ = sender.send(command);
+        if let Some(then) = then {
+            let _ = sender.send(then);
+        }
         ctx.request_repaint();
     })?;
     Ok(())

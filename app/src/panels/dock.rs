@@ -70,6 +70,7 @@ pub struct Dock {
     tree: Tree<Pane>,
     scene: scene::State,
     log: log::State,
+    plan: plan::State,
     /// What was picked last.
     pub pick: Option<Pick>,
     /// Size of the viewport in points.
@@ -88,6 +89,7 @@ impl Default for Dock {
             tree: layout(),
             scene: scene::State::default(),
             log: log::State::default(),
+            plan: plan::State::default(),
             pick: None,
             viewport_size: egui::vec2(640.0, 400.0),
             settled: false,
@@ -116,6 +118,7 @@ impl Dock {
             viewport,
             scene: &mut self.scene,
             log: &mut self.log,
+            plan: &mut self.plan,
             pick: &mut self.pick,
             size: &mut self.viewport_size,
             settled: &mut self.settled,
@@ -141,8 +144,8 @@ fn layout() -> Tree<Pane> {
     let scene = tabs(&[Pane::Scene]);
     let layers = tabs(&[Pane::Layers, Pane::Views]);
     let spheres = tabs(&[Pane::Sphere, Pane::Placement]);
-    let readout = tabs(&[Pane::Readout]);
-    let log = tabs(&[Pane::Log, Pane::Plan]);
+    let readout = tabs(&[Pane::Readout, Pane::Plan]);
+    let log = tabs(&[Pane::Log]);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let mut linear = |dir: LinearDir, children: &[(TileId, f32)]| {
         let mut linear = Linear::new(dir, children.iter().map(|c| c.0).collect());
@@ -163,6 +166,7 @@ struct Frame<'a, 'b> {
     viewport: &'a mut Viewport,
     scene: &'a mut scene::State,
     log: &'a mut log::State,
+    plan: &'a mut plan::State,
     pick: &'a mut Option<Pick>,
     size: &'a mut egui::Vec2,
     settled: &'a mut bool,
@@ -209,7 +213,7 @@ impl Frame<'_, '_> {
             Pane::Readout => readout::show(ui, self.pick.as_ref()),
             Pane::Placement => placement::show(ui, session, &mut self.out),
             Pane::Log => log::show(ui, self.log, &session.log),
-            Pane::Plan => plan::show(ui, session),
+            Pane::Plan => plan::show(ui, self.plan, session, &mut self.out),
         }
     }
 }

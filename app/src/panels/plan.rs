@@ -1,47 +1,278 @@
-//! The plan: what this scene needs, and why, and what it cost.
+//! The plan: what this scene needs, why, and what it cost; each line can be decided by hand.
 
-use crate::session::Session;
-use egui::{Grid, RichText, Ui};
-use lumenscope_core::superposition::plan::PlanLine;
+use crate::{command::Command, session::Session};
+use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, RichText, Ui};
+use lumenscope_core::{
+    irradiance_volume::VolumeSettings,
+    radiosity::{RadiositySettings, surface_map::ElementLayout},
+    scene::file::PlanOverrides,
+    superposition::plan::{Component, ExpectedError, PlanLine},
+};
+
+/// What the panel remembers between frames.
+#[derive(Debug, Default)]
+pub struct State {
+    /// Overrides being written, and the component they are for.
+    draft: Option<(Component, PlanOverrides)>,
+}
 
 /// Shows the plan, and what the light on screen took.
-pub fn show(ui: &mut Ui, session: &Session) {
-    let Some(plan) = &session.plan else {
+pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Command>) {
+    let (Some(plan), Some(scene)) = (&session.plan, &session.scene) else {
         ui.weak("The plan appears when a scene has been read: what it needs, and why.");
         return;
     };
-    Grid::new("plan").num_columns(4).spacing([14.0, 3.0]).striped(true).show(ui, |ui| {
-        for title in ["Component", "Error", "Time", "Settings and reason"] {
-            ui.label(RichText::new(title).small().weak());
+    for line in &plan.lines {
+        row(ui, state, line, session, &scene.plan, out);
+    }
+}
+
+fn row(
+    ui: &mut Ui,
+    state: &mut State,
+    line: &PlanLine,
+    session: &Session,
+    over: &PlanOverrides,
+    out: &mut Vec<Command>,
+) {
+    let text = |s: String| if line.used { RichText::new(s) } else { RichText::new(s).weak() };
+    ui.horizontal(|ui| {
+        ui.label(text(line.component.name().into()).strong()).on_hover_text(
+            match (line.used, line.overridden) {
+                (false, true) => "Not computed: switched off by hand",
+                (false, false) => "Not computed: this scene does not need it",
+                (true, true) => "Computed, with settings fixed by hand or by the scene file",
+                (true, false) => "Computed, with settings chosen from the scene",
+            },
+        );
+        if line.component != Component::Emitted {
+            decide(ui, state, line, session, over, out);
         }
-        ui.end_row();
-        for line in &plan.lines {
-            row(ui, line, session);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let error = match line.expected_error {
+                _ if !line.used => "not computed".into(),
+                ExpectedError::Exact => "exact".into(),
+                ExpectedError::Median(share) => format!("error {:.1} %", share * 100.0),
+                ExpectedError::Unknown => "error unknown".into(),
+            };
+            ui.label(text(error).small())
+                .on_hover_text(format!("Expected relative error of this part.\n{}", line.error_basis));
+            ui.label(text(seconds(session, line)).small())
+                .on_hover_text("Seconds it took; in brackets, what was expected before it ran");
+        });
+    });
+    let parts: Vec<&str> =
+        [line.settings.as_str(), line.reason.as_str()].into_iter().filter(|p| !p.is_empty()).collect();
+    ui.add(egui::Label::new(RichText::new(parts.join("; ")).small().weak()).wrap());
+    ui.add_space(5.0);
+}
+
+/// Whether a line is automatic or fixed, and the window in which that is changed.
+fn decide(
+    ui: &mut Ui,
+    state: &mut State,
+    line: &PlanLine,
+    session: &Session,
+    over: &PlanOverrides,
+    out: &mut Vec<Command>,
+) {
+    let component = line.component;
+    let word = if line.overridden { "fixed" } else { "automatic" };
+    let button = ui.add(Button::new(RichText::new(word).small()).selected(line.overridden));
+    button.widget_info(|| {
+        let label = format!("{}: {word}", component.name());
+        egui::WidgetInfo::labeled(egui::Role::Button, true, label)
+    });
+    let button = button.on_hover_text("Click to fix settings of this line, or to let the scene decide again");
+    let popup = Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.set_min_width(270.0);
+        ui.strong(format!("Plan of {}", component.name()));
+        let draft = match &mut state.draft {
+            Some((of, draft)) if *of == component => draft,
+            other => &mut other.insert((component, over.clone())).1,
+        };
+        Grid::new("override")
+            .num_columns(3)
+            .spacing([10.0, 4.0])
+            .show(ui, |ui| fields(ui, component, draft, session));
+        ui.horizontal(|ui| {
+            let apply = ui.add_enabled(draft != over, Button::new("Apply"));
+            if apply.on_hover_text("Solve again what these settings change; one step to undo").clicked() {
+                out.push(Command::Plan(draft.clone()));
+                ui.close();
+            }
+            let back = ui.add_enabled(line.overridden, Button::new("Back to automatic"));
+            if back.on_hover_text("Let the scene decide every setting of this line").clicked() {
+                out.push(Command::Plan(component.freed(over)));
+                ui.close();
+            }
+        });
+    });
+    let open_here = popup.is_some();
+    if !open_here && state.draft.as_ref().is_some_and(|(of, _)| *of == component) {
+        state.draft = None;
+    }
+}
+
+fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: &Session) {
+    match component {
+        Component::Emitted => {}
+        Component::Direct => {
+            let rays = session.plan.as_ref().map_or(16, |p| p.direct_samples);
+            count(
+                ui,
+                "Shadow rays",
+                "An area emitter and pixel of pictures written to files",
+                &mut over.direct_samples,
+                rays,
+                1..=1024,
+            );
         }
+        Component::Radiosity => {
+            let usual = RadiositySettings::default();
+            let spacing = || {
+                let world = session.solution.as_ref().map(|s| &s.world);
+                world.map_or(0.1, |w| ElementLayout::new(&w.geometry, None).spacing_m)
+            };
+            length(
+                ui,
+                "Element spacing",
+                "Distance between elements on flat surfaces",
+                &mut over.element_spacing_m,
+                spacing,
+            );
+            count(
+                ui,
+                "Gather rays",
+                "Cosine-distributed rays of each element",
+                &mut over.gather_rays,
+                usual.gather_rays,
+                1..=16_384,
+            );
+            count(
+                ui,
+                "Shadow rays",
+                "An area emitter and element, where it is partly hidden",
+                &mut over.shadow_rays,
+                usual.shadow_rays,
+                1..=1024,
+            );
+        }
+        Component::IrradianceVolume => {
+            let usual = VolumeSettings::default();
+            built(ui, &mut over.volume);
+            let grid = session.solution.as_ref().and_then(|s| s.volume.as_ref());
+            let samples = || {
+                let size = grid.map(|v| v.grid().size().to_array().map(|cells| cells + 1));
+                size.unwrap_or([8; 3])
+            };
+            triple(ui, "First level", "Samples along x, y and z", &mut over.volume_samples, samples);
+            count(
+                ui,
+                "Second level",
+                "Samples an axis in a cell near surfaces or lamps",
+                &mut over.volume_second_level,
+                usual.second_level,
+                2..=9,
+            );
+            count(
+                ui,
+                "Bins",
+                "n rows and columns a hemisphere: 2n² bins a sample",
+                &mut over.volume_bins_n,
+                usual.bins_n,
+                1..=64,
+            );
+        }
+    }
+}
+
+/// A row whose value is chosen from the scene until it is fixed.
+fn row_of<T: Copy>(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    value: &mut Option<T>,
+    usual: impl FnOnce() -> T,
+    edit: impl FnOnce(&mut Ui, &mut T),
+) {
+    ui.label(name).on_hover_text(hint);
+    let mut fixed = value.is_some();
+    let check = ui.checkbox(&mut fixed, "");
+    check
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, fixed, format!("fix {name}")));
+    check.on_hover_text("Fix this setting");
+    match (fixed, &mut *value) {
+        (true, Some(value)) => edit(ui, value),
+        (true, None) => *value = Some(usual()),
+        (false, _) => {
+            *value = None;
+            ui.weak("automatic");
+        }
+    }
+    ui.end_row();
+}
+
+fn count(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    value: &mut Option<u32>,
+    usual: u32,
+    range: std::ops::RangeInclusive<u32>,
+) {
+    row_of(
+        ui,
+        name,
+        hint,
+        value,
+        || usual,
+        |ui, value| {
+            ui.add(DragValue::new(value).range(range));
+        },
+    );
+}
+
+fn length(ui: &mut Ui, name: &str, hint: &str, value: &mut Option<f32>, usual: impl FnOnce() -> f32) {
+    row_of(ui, name, hint, value, usual, |ui, value| {
+        let speed = f64::from(*value) * 0.01;
+        ui.add(DragValue::new(value).range(1e-4..=1e4).speed(speed).max_decimals(4).suffix(" m"));
     });
 }
 
-fn row(ui: &mut Ui, line: &PlanLine, session: &Session) {
-    let text = |s: String| if line.used { RichText::new(s) } else { RichText::new(s).weak() };
-    let mark = if line.overridden { " *" } else { "" };
-    ui.label(text(format!("{}{mark}", line.component))).on_hover_text(match (line.used, line.overridden) {
-        (false, _) => "Not computed: this scene does not need it",
-        (true, true) => "Computed, with settings that the scene file fixes",
-        (true, false) => "Computed",
+fn triple(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    value: &mut Option<[u32; 3]>,
+    usual: impl FnOnce() -> [u32; 3],
+) {
+    row_of(ui, name, hint, value, usual, |ui, value| {
+        ui.horizontal(|ui| {
+            for axis in value {
+                ui.add(DragValue::new(axis).range(2..=200));
+            }
+        });
     });
-    ui.label(text(line.expected_error.map_or("exact".into(), |e| format!("{:.1} %", e * 100.0))))
-        .on_hover_text("Expected median relative error of this part");
-    ui.label(text(seconds(session, line)))
-        .on_hover_text("Seconds it took; in brackets, what was expected before it ran");
-    let parts: Vec<&str> =
-        [line.settings.as_str(), line.reason.as_str()].into_iter().filter(|p| !p.is_empty()).collect();
-    ui.add(egui::Label::new(text(parts.join("; "))).wrap());
-    ui.end_row();
+}
+
+fn built(ui: &mut Ui, value: &mut Option<bool>) {
+    row_of(
+        ui,
+        "Built",
+        "Whether there is a volume at all",
+        value,
+        || true,
+        |ui, value| {
+            ui.selectable_value(value, true, "yes");
+            ui.selectable_value(value, false, "no");
+        },
+    );
 }
 
 fn seconds(session: &Session, line: &PlanLine) -> String {
     let stages = session.solution.as_ref().map(|s| s.provenance.stage_seconds.as_slice()).unwrap_or_default();
-    match stages.iter().find(|(name, _)| *name == line.component) {
+    match stages.iter().find(|(name, _)| *name == line.component.name()) {
         Some((_, seconds)) => format!("{seconds:.2} s"),
         None if line.expected_seconds > 0.0 => format!("({:.1} s)", line.expected_seconds),
         None => String::new(),

@@ -149,6 +149,7 @@ impl Bench {
                 self.live = Some(live);
                 self.shared.slots().refine = !dragging;
             }
+            Some(live) if live.current().scene.plan != scene.plan => self.replan(live, scene),
             Some(mut live) => {
                 let light = self.job(LIGHT, Rank::Stop, |_, progress| {
                     progress.begin("following");
@@ -163,19 +164,35 @@ impl Bench {
             }
             None => {
                 let live = self.job(LIGHT, Rank::Stop, |bench, progress| {
-                    progress.begin("planning");
-                    let plan = pipeline::plan(scene);
-                    bench.tell(News::Plan(Arc::new(plan.clone())));
-                    let settings = SolveSettings { preview: true, ..plan.solve };
-                    Ok(LiveTransport::solve(Arc::clone(scene), settings, progress, &mut |light| {
-                        bench.tell(News::Solution(Arc::new(light.clone())));
-                    })?)
+                    let settings = bench.plan(scene, progress);
+                    let show = &mut |light: &_| bench.tell_light(light);
+                    Ok(LiveTransport::solve(Arc::clone(scene), settings, progress, show)?)
                 });
                 self.solution = live.as_ref().map(|l| Arc::new(l.current().clone()));
                 self.live = live;
                 self.shared.slots().measure = true;
             }
         }
+    }
+
+    /// Solves again what other overrides of the plan change; where that fails, the light stays.
+    fn replan(&mut self, live: LiveTransport, scene: &Arc<Scene>) {
+        let solved = self.job(LIGHT, Rank::Stop, |bench, progress| {
+            let settings = bench.plan(scene, progress);
+            let show = &mut |light: &_| bench.tell_light(light);
+            Ok(live.with_settings(Arc::clone(scene), settings, progress, show)?)
+        });
+        let live = solved.unwrap_or(live);
+        self.solution = Some(Arc::new(live.current().clone()));
+        self.live = Some(live);
+    }
+
+    fn plan(&self, scene: &Scene, progress: &Progress) -> SolveSettings {
+        progress.begin("planning");
+        let plan = pipeline::plan(scene);
+        let settings = SolveSettings { preview: true, ..plan.solve.clone() };
+        self.tell(News::Plan(Arc::new(plan)));
+        settings
     }
 
     /// One step towards settled light. Interrupted, it is asked for again by what interrupted it.
@@ -264,6 +281,10 @@ impl Bench {
             Err(_) => self.tell(News::Failed(name, "the work stopped on a fault of the program".into())),
         }
         None
+    }
+
+    fn tell_light(&self, light: &LightTransportSolution) {
+        self.tell(News::Solution(Arc::new(light.clone())));
     }
 
     fn tell(&self, news: News) {

@@ -86,6 +86,9 @@ pub const FOOTPRINT: usize = 8;
 /// Spacing on the bodies of lamps, as a share of the spacing elsewhere.
 const LAMP_FINENESS: f32 = 0.25;
 
+/// Elements across the bounding diagonal where no spacing is given and the number of nodes allows it.
+const ACROSS: f32 = 80.0;
+
 /// Elements that a spacing chosen from the scene aims to stay below.
 const WANTED_ELEMENTS: usize = 24_000;
 /// Elements above which a scene is refused.
@@ -98,28 +101,11 @@ impl SurfaceMap {
     /// # Errors
     /// [`RadiosityError::BadSpacing`], [`RadiosityError::TooManyElements`].
     pub fn new(geometry: &Geometry, spacing_m: Option<f32>) -> Result<Self, RadiosityError> {
-        let finite = |t: &u32| {
-            geometry.positions[*t as usize].iter().all(|p| p.is_finite())
-                && geometry.area_normal(*t).length_squared() > 0.0
-        };
-        let diagonal = finite_diagonal(geometry);
-        let weld = diagonal * 1e-6;
-        let (mut flat, mut curved) = (Vec::new(), Vec::new());
-        for range in &geometry.object_triangles {
-            let mut of_object: Vec<u32> = range.clone().filter(finite).collect();
-            of_object.sort_by_key(|&t| geometry.material[t as usize]);
-            for same in
-                of_object.chunk_by(|&a, &b| geometry.material[a as usize] == geometry.material[b as usize])
-            {
-                let (r, c) = regions(geometry, same, weld);
-                flat.extend(r);
-                curved.extend(c);
-            }
-        }
+        let (flat, mut curved) = faces(geometry);
         let spacing = match spacing_m {
             Some(spacing) if spacing > 0.0 && spacing.is_finite() => spacing,
             Some(spacing_m) => return Err(RadiosityError::BadSpacing { spacing_m }),
-            None => chosen_spacing(geometry, &flat, diagonal),
+            None => chosen_spacing(geometry, &flat, finite_diagonal(geometry)),
         };
         let wanted = grid_nodes(geometry, &flat, spacing);
         if wanted > MOST_ELEMENTS {
@@ -410,8 +396,62 @@ fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> usize {
         .sum()
 }
 
+/// What [`SurfaceMap::new`] will lay out, known before it is laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementLayout {
+    /// Distance between grid nodes, m.
+    pub spacing_m: f32,
+    /// Distance that an eightieth of the bounding diagonal would be, m.
+    pub eightieth_m: f32,
+    /// Grid nodes on flat faces.
+    pub grid_nodes: usize,
+    /// Triangles lit at their corners, at most one element for each corner and fewer where corners
+    /// are shared.
+    pub curved_triangles: usize,
+}
+
+impl ElementLayout {
+    /// The layout of a scene for a spacing, or for the one chosen from the scene.
+    pub fn new(geometry: &Geometry, spacing_m: Option<f32>) -> Self {
+        let (flat, curved) = faces(geometry);
+        let diagonal = finite_diagonal(geometry);
+        let spacing_m = spacing_m.unwrap_or_else(|| chosen_spacing(geometry, &flat, diagonal));
+        let single = |r: &&Region| r.nodes(spacing_m) == [1, 1];
+        let small: usize = flat.iter().filter(single).map(|r| r.triangles.len()).sum();
+        Self {
+            spacing_m,
+            eightieth_m: diagonal / ACROSS,
+            grid_nodes: grid_nodes(geometry, &flat, spacing_m),
+            curved_triangles: curved.len() + small,
+        }
+    }
+}
+
+/// Flat regions of every object and material, and the triangles of curved meshes; without triangles
+/// that have no area or are not finite.
+fn faces(geometry: &Geometry) -> (Vec<Region>, Vec<u32>) {
+    let finite = |t: &u32| {
+        geometry.positions[*t as usize].iter().all(|p| p.is_finite())
+            && geometry.area_normal(*t).length_squared() > 0.0
+    };
+    let weld = finite_diagonal(geometry) * 1e-6;
+    let (mut flat, mut curved) = (Vec::new(), Vec::new());
+    for range in &geometry.object_triangles {
+        let mut of_object: Vec<u32> = range.clone().filter(finite).collect();
+        of_object.sort_by_key(|&t| geometry.material[t as usize]);
+        for same in
+            of_object.chunk_by(|&a, &b| geometry.material[a as usize] == geometry.material[b as usize])
+        {
+            let (r, c) = regions(geometry, same, weld);
+            flat.extend(r);
+            curved.extend(c);
+        }
+    }
+    (flat, curved)
+}
+
 fn chosen_spacing(geometry: &Geometry, flat: &[Region], diagonal: f32) -> f32 {
-    let mut spacing = diagonal / 80.0;
+    let mut spacing = diagonal / ACROSS;
     while grid_nodes(geometry, flat, spacing) > WANTED_ELEMENTS && spacing < diagonal {
         spacing *= 1.1;
     }

@@ -118,6 +118,8 @@ pub struct PlanOverrides {
     pub gather_rays: Option<u32>,
     /// Shadow rays an area emitter and element.
     pub shadow_rays: Option<u32>,
+    /// Shadow rays an area emitter and pixel of pictures written to files.
+    pub direct_samples: Option<u32>,
     /// Whether an irradiance volume is built.
     pub volume: Option<bool>,
     /// Samples along each axis of the volume's first level.
@@ -126,6 +128,26 @@ pub struct PlanOverrides {
     pub volume_second_level: Option<u32>,
     /// Rows of direction bins a hemisphere: 2n² bins.
     pub volume_bins_n: Option<u32>,
+}
+
+impl PlanOverrides {
+    /// The first setting that cannot be used, and its value.
+    pub fn problem(&self) -> Option<(&'static str, String)> {
+        let spacing = self.element_spacing_m.filter(|s| !(s.is_finite() && *s > 0.0));
+        if let Some(spacing) = spacing {
+            return Some(("element_spacing_m", spacing.to_string()));
+        }
+        let counts = [
+            ("gather_rays", self.gather_rays),
+            ("shadow_rays", self.shadow_rays),
+            ("direct_samples", self.direct_samples),
+            ("volume_second_level", self.volume_second_level),
+            ("volume_bins_n", self.volume_bins_n),
+            ("volume_samples", self.volume_samples.map(|s| s[0].min(s[1]).min(s[2]))),
+        ];
+        let zero = counts.into_iter().find(|(_, value)| *value == Some(0));
+        zero.map(|(name, _)| (name, "0".into()))
+    }
 }
 
 fn one() -> f32 {

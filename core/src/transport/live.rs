@@ -7,6 +7,8 @@
 //! solved anew. Not a full solve a step: that is a hundred times the work for a difference that is
 //! mostly below what the eye sees while things move.
 
+mod settings;
+
 use super::{
     LightTransportSolution,
     solution::{Provenance, State},

@@ -226,20 +226,8 @@ fn check_plane(path: &Path, plane: &MeasuringPlane) -> Result<(), SceneError> {
 }
 
 fn check_plan(path: &Path, plan: &PlanOverrides) -> Result<(), SceneError> {
-    if let Some(spacing) = plan.element_spacing_m
-        && !(spacing.is_finite() && spacing > 0.0)
-    {
-        return Err(SceneError::value(path, "plan", "element_spacing_m", spacing));
-    }
-    let counts = [
-        ("gather_rays", plan.gather_rays),
-        ("shadow_rays", plan.shadow_rays),
-        ("volume_second_level", plan.volume_second_level),
-        ("volume_bins_n", plan.volume_bins_n),
-        ("volume_samples", plan.volume_samples.map(|s| s[0].min(s[1]).min(s[2]))),
-    ];
-    match counts.into_iter().find(|(_, value)| *value == Some(0)) {
-        Some((name, _)) => Err(SceneError::value(path, "plan", name, 0)),
+    match plan.problem() {
+        Some((name, value)) => Err(SceneError::value(path, "plan", name, format_args!("{value}"))),
         None => Ok(()),
     }
 }

@@ -1,0 +1,163 @@
+//! What the user changes: kept, undone, asked about before it is lost.
+
+use crate::window::{Window, cuboid};
+use egui_kittest::kittest::Queryable;
+
+use lumenscope::{
+    command::{Command, Window as WindowCommand},
+    session::View,
+};
+use lumenscope_core::{
+    scene::{Target, file::PlanOverrides},
+    superposition::plan::Component,
+};
+use std::{fs, sync::Arc};
+
+#[test]
+fn a_dropped_model_is_added_as_a_movable_object() {
+    let mut window = Window::on_room();
+    let before = window.scene().objects.len();
+    let path = window.folder.path().join("stool.obj");
+    let mut obj = String::from("o stool\n");
+    cuboid(&mut obj, 1, [0.4, 0.0, -0.2], [0.8, 0.5, 0.2], false);
+    fs::write(&path, obj).unwrap();
+    let ctx = window.harness.ctx.clone();
+    window.harness.state_mut().drop_file(&ctx, &path);
+    window.harness.run_steps(3);
+    window.click("Add to scene");
+    window.wait("the stool", |app| app.session().scene.as_ref().is_some_and(|s| s.objects.len() > before));
+    window.wait_lit();
+    window.keep("added");
+    assert!(window.scene().objects[before..].iter().all(|o| o.movable));
+    assert_eq!(window.app().session().document.edits.added, [path]);
+    assert_eq!(window.app().session().history.depth(), 1, "a model added is one step");
+    let (with, edits) = (window.scene().triangle_count(), window.edits_bytes());
+
+    window.run(Command::View(Box::new(View { selected: Some(Target::Object(before)), ..window.view() })));
+    window.run(Command::Undo);
+    assert_eq!(window.scene().objects.len(), before);
+    assert_eq!(window.view().selected, None, "what is gone cannot stay selected");
+    window.wait_lit();
+    window.run(Command::Redo);
+    assert_eq!((window.scene().triangle_count(), window.edits_bytes()), (with, edits));
+    window.wait_lit();
+}
+
+#[test]
+fn a_session_is_saved_and_reopened_and_pictures_are_exported() {
+    let mut window = Window::on_room();
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.25, dragging: false });
+    let file = window.folder.path().join("kept.lumenscope");
+    window.run(Command::SaveSession(file.clone()));
+    assert!(!window.app().session().is_dirty());
+    assert!(fs::read_to_string(&file).unwrap().contains("\"room.ron\""), "the scene's path is relative");
+    let edits = window.edits_bytes();
+    window.wait_lit();
+    let (png, exr) = (window.folder.path().join("out.png"), window.folder.path().join("out.exr"));
+    window.run(Command::ExportPicture(png.clone()));
+    window.run(Command::ExportLayers(exr.clone()));
+    window.wait("the exports", |app| !app.is_busy());
+    assert!(image::open(&png).unwrap().width() > 500);
+    let layers = lumenscope_core::io::exr::read_layers(&exr).unwrap();
+    assert_eq!(layers.iter().map(|l| l.0.as_str()).collect::<Vec<_>>(), ["emitted", "direct", "indirect"]);
+
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 1.0, dragging: false });
+    assert_ne!(window.edits_bytes(), edits);
+    window.run(Command::Open(file.clone()));
+    window.harness.run_steps(2);
+    window.click("Discard");
+    window.wait("the session", |app| !app.session().history.can_undo());
+    window.wait_lit();
+    assert_eq!(window.edits_bytes(), edits);
+    assert_eq!(window.scene().lamps[0].dimmer, 0.25);
+    assert_eq!(window.app().recent()[0], file);
+}
+
+/// Asks the window to close, as its frame's button does, and says whether it may.
+fn closes(window: &mut Window) -> bool {
+    let viewports = &mut window.harness.input_mut().viewports;
+    let root = viewports.entry(egui::ViewportId::ROOT).or_default();
+    root.events.push(egui::ViewportEvent::Close);
+    window.harness.step();
+    let commands = &window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    let stays = commands.contains(&egui::ViewportCommand::CancelClose);
+    window.harness.step();
+    !stays
+}
+
+#[test]
+fn unsaved_edits_are_asked_about_before_they_are_lost() {
+    let mut window = Window::on_room();
+    assert!(closes(&mut window), "nothing is unsaved");
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.5, dragging: false });
+    let edits = window.edits_bytes();
+    assert!(!closes(&mut window), "the window stays to ask");
+    window.harness.run_steps(2);
+    window.keep("unsaved");
+    window.click("Cancel");
+    assert!(window.app().asked().is_none() && window.edits_bytes() == edits);
+
+    // Opening asks too; what is saved first is there afterwards.
+    let file = window.folder.path().join("kept.lumenscope");
+    window.run(Command::SaveSession(file.clone()));
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.75, dragging: false });
+    window.run(Command::Open(window.folder.path().join("room.ron")));
+    assert!(window.app().asked().is_some());
+    window.harness.run_steps(2);
+    window.click("Save");
+    window.wait("the room anew", |app| !app.session().history.can_undo());
+    assert_eq!(window.scene().lamps[0].dimmer, 1.0);
+    assert!(fs::read_to_string(&file).unwrap().contains("0.75"));
+
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.5, dragging: false });
+    window.run(Command::Window(WindowCommand::Quit));
+    assert!(window.app().asked().is_some());
+    window.harness.run_steps(2);
+    window.click("Discard");
+    assert!(closes(&mut window), "what was discarded is not asked about again");
+}
+
+#[test]
+fn the_plan_is_overridden_line_by_line_and_taken_back() {
+    let mut window = Window::on_room();
+    window.click("Plan");
+    let elements = |w: &Window| w.app().session().solution.as_ref().unwrap().radiosity.elements().len();
+    let before = elements(&window);
+    // The room's file fixes both lines: spacing 0.5 m, and a volume of 4³ samples.
+    window.click("radiosity: fixed");
+    window.harness.run_steps(2);
+    window.keep("plan");
+    window.click("Back to automatic");
+    assert_eq!(window.scene().plan.element_spacing_m, None);
+    assert_eq!(window.scene().plan.volume_bins_n, Some(5), "other lines stay");
+    window.wait_lit();
+    // An eightieth of the diagonal of 6.4 m is 8 cm: 39 times as many as half a metre apart.
+    assert!(elements(&window) > 20 * before, "{} elements, {before} before", elements(&window));
+    window.harness.get_by_label("radiosity: automatic");
+
+    window.click("irradiance volume: fixed");
+    window.harness.run_steps(2);
+    window.click("fix Bins");
+    window.click("Apply");
+    assert_eq!(window.scene().plan.volume_bins_n, None);
+    let light = window.app().session().solution.as_ref().unwrap().radiosity.clone();
+    window.wait_lit();
+    let solution = window.app().session().solution.clone().unwrap();
+    assert!(Arc::ptr_eq(&light, &solution.radiosity), "the volume alone is built again");
+    assert_eq!(solution.volume.as_ref().unwrap().bins().n(), 17);
+
+    window.run(Command::Undo);
+    window.run(Command::Undo);
+    window.wait_lit();
+    assert_eq!(elements(&window), before);
+    let problem = PlanOverrides { gather_rays: Some(0), ..window.scene().plan.clone() };
+    window.run(Command::Plan(problem));
+    assert!(!window.app().session().history.can_undo(), "no rays at all cannot be asked for");
+
+    // A plan is kept in the session.
+    let wanted = Component::IrradianceVolume.freed(&window.scene().plan);
+    window.run(Command::Plan(wanted.clone()));
+    let file = window.folder.path().join("planned.lumenscope");
+    window.run(Command::SaveSession(file.clone()));
+    assert_eq!(lumenscope::session_file::read(&file).unwrap().edits.plan, Some(wanted));
+}
