@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use lumenscope_core::{
-    math::{frame::uniform_direction, part::Part, progress::Progress, random::Rng},
+    math::{colour::luminance, frame::uniform_direction, part::Part, progress::Progress, random::Rng},
     measure::significance::{critical_value, z_test},
     reference::{
         Estimate, brute::irradiance_brute, irradiance::irradiance, path::receiver_of,
@@ -10,7 +10,11 @@ use lumenscope_core::{
     },
     scene::{Scene, accel::Ray, direct::Receiver, mesh::Mesh, world::World},
 };
-use lumenscope_tests::{add, add_point_lamp, box_room, cornell, diffuse, rectangle};
+use lumenscope_tests::{
+    add, add_point_lamp, box_room, cornell, diffuse,
+    golden::{self, Truth},
+    rectangle,
+};
 use rayon::prelude::*;
 use std::{f32::consts::PI, sync::Arc};
 
@@ -259,4 +263,50 @@ fn a_cancelled_picture_stays_even_and_can_go_on() {
     assert_eq!((picture.samples(), picture.mean()), (4, before));
     picture.add_samples(4, &Progress::silent()).unwrap();
     assert_eq!(picture.samples(), 8);
+}
+
+/// Irradiance at a receiver by `paths` paths, a quarter as many for the direct part.
+fn truth(world: &World, receiver: &Receiver, paths: u32, seed: u64) -> Truth {
+    let indirect = irradiance(world, receiver, Part::Indirect, paths, seed);
+    let direct = irradiance(world, receiver, Part::Direct, paths / 4, seed + 1);
+    // The channels of one estimate err together, the two parts apart.
+    let error = |e: &Estimate| luminance(e.standard_error);
+    Truth {
+        direct: luminance(direct.mean),
+        indirect: luminance(indirect.mean),
+        standard_error: error(&indirect).hypot(error(&direct)),
+    }
+}
+
+#[test]
+fn golden_irradiance_of_the_office_is_what_the_tracer_finds() {
+    let world = golden::shipped("office/office.ron");
+    let surfaces = golden::surface_points(&world, golden::POINTS);
+    let sets = [
+        ("surface", surfaces.iter().map(receiver_of).collect()),
+        ("air", golden::air_points(&world, golden::POINTS)),
+    ];
+    // LUMENSCOPE_GOLDEN_PATHS=65536 rewrites the files, in about ten minutes on two cores.
+    let rewrite = std::env::var("LUMENSCOPE_GOLDEN_PATHS").ok().and_then(|paths| paths.parse().ok());
+    for (name, receivers) in sets {
+        let receivers: Vec<Receiver> = receivers;
+        if let Some(paths) = rewrite {
+            let all: Vec<Truth> = receivers
+                .par_iter()
+                .enumerate()
+                .map(|(i, r)| truth(&world, r, paths, 2 * i as u64))
+                .collect();
+            golden::write(name, &all);
+        }
+        let kept = golden::read(name);
+        assert_eq!(kept.len(), golden::POINTS);
+        // Every fortieth point again, from other random numbers. Rare bright paths make the mean of
+        // 4096 skewed: 5 standard errors, where the normal law would give 3.7 for 25 points at 0.01.
+        for i in (0..golden::POINTS).step_by(40) {
+            let again = truth(&world, &receivers[i], 4096, 1_000_000 + 2 * i as u64);
+            let error = again.standard_error.hypot(kept[i].standard_error);
+            let z = (again.all() - kept[i].all()) / error;
+            assert!(z.abs() < 5.0, "{name} {i}: {} kept, {} ± {error} found", kept[i].all(), again.all());
+        }
+    }
 }

@@ -10,6 +10,8 @@ use lumenscope_core::scene::{
 };
 use std::sync::Arc;
 
+pub mod golden;
+
 /// A rectangle with its front towards `edge_u × edge_v`.
 pub fn rectangle(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Mesh {
     Mesh::quad([corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v])
