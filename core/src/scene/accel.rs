@@ -1,8 +1,9 @@
-//! Rays against the scene: one tree for what stands still, one a movable object.
+//! Rays against the scene: one tree for what stands still, one a movable object, and one over those.
 //!
 //! The tree is obvhs's BVH2. Not its faster CWBVH: that one drops hits nearer than 1e-4 world
 //! units. Nodes are padded against the rounding of the slab test, and triangles are tested without
-//! gaps between them. A moved object costs a new matrix, not a new tree.
+//! gaps between them. A moved object costs a new matrix and the small tree over all movable objects,
+//! not a new tree of its own.
 
 use super::{
     geometry::Geometry,
@@ -12,7 +13,10 @@ use glam::{Affine3A, Vec2, Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams,
     aabb::Aabb,
-    bvh2::{Bvh2, builder::build_bvh2_from_tris},
+    bvh2::{
+        Bvh2,
+        builder::{build_bvh2, build_bvh2_from_tris},
+    },
     ray::RayHit,
     triangle::Triangle,
 };
@@ -67,6 +71,8 @@ pub struct Hit {
 pub struct Accel {
     still: Tree,
     movable: Vec<Movable>,
+    /// Over the world bounds of `movable`.
+    over: Bvh2,
 }
 
 #[derive(Clone)]
@@ -153,8 +159,8 @@ impl Accel {
                 built_from_world: Affine3A::IDENTITY,
                 world_from_object_built: geometry.world_from_object[object],
             })
-            .collect();
-        Self { still, movable }
+            .collect::<Vec<_>>();
+        Self { still, over: over(&movable), movable }
     }
 
     /// Follows an object that [`Geometry::place`] moved.
@@ -166,6 +172,7 @@ impl Accel {
         assert!(found.is_some(), "object {object} is not movable");
         if let Some(m) = found {
             m.built_from_world = m.world_from_object_built * world_from_object.inverse();
+            self.over = over(&self.movable);
         }
     }
 
@@ -175,16 +182,32 @@ impl Accel {
             return None;
         }
         let mut best = self.still.trace(ray, None);
-        for m in &self.movable {
-            best = m.tree.trace(&m.local(ray), best);
-        }
+        let t_max = best.map_or(ray.t_max, |b| b.t);
+        let outer = slab_ray(ray.origin, ray.direction, ray.t_min, t_max);
+        self.over.ray_traverse(outer, &mut RayHit::none(), |r, i| {
+            let m = &self.movable[self.over.primitive_indices[i] as usize];
+            match m.tree.trace(&m.local(ray), best) {
+                Some(hit) if hit.t < r.tmax => {
+                    best = Some(hit);
+                    hit.t
+                }
+                _ => f32::INFINITY,
+            }
+        });
         best
     }
 
     /// Whether anything stands in the way of the ray; `false` for a degenerate ray.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        !ray.is_degenerate()
-            && (self.still.occluded(ray) || self.movable.iter().any(|m| m.tree.occluded(&m.local(ray))))
+        if ray.is_degenerate() {
+            return false;
+        }
+        let outer = slab_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
+        self.still.occluded(ray)
+            || !self.over.ray_traverse_miss(outer, |r, i| {
+                let m = &self.movable[self.over.primitive_indices[i] as usize];
+                if m.tree.occluded(&m.local(ray)) { r.tmin } else { f32::INFINITY }
+            })
     }
 
     /// Bytes held by the trees.
@@ -198,7 +221,27 @@ impl Accel {
     }
 }
 
+/// The tree over movable objects where they are.
+fn over(movable: &[Movable]) -> Bvh2 {
+    let bounds: Vec<Aabb> = movable.iter().map(Movable::bounds).collect();
+    let mut bvh = build_bvh2(&bounds, BvhBuildParams::fastest_build(), &mut Default::default());
+    pad(&mut bvh);
+    bvh
+}
+
 impl Movable {
+    /// Box around the object in the world.
+    fn bounds(&self) -> Aabb {
+        let Some(root) = self.tree.bvh.nodes.first() else { return Aabb::empty() };
+        let world_from_built = self.built_from_world.inverse();
+        let (low, high) = (root.aabb().min, root.aabb().max);
+        let corner = |i: usize| {
+            let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
+            world_from_built.transform_point3a(Vec3A::new(pick(0), pick(1), pick(2)))
+        };
+        (0..8).map(corner).fold(Aabb::empty(), |mut all, p| *all.extend(p))
+    }
+
     fn local(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.built_from_world.transform_point3(ray.origin),
