@@ -80,6 +80,27 @@ fn polygon_irradiance(position: vec3f, n: vec3f, a: vec3f, b: vec3f, c: vec3f) -
     return abs(0.5 * sum);
 }
 
+// Twin of `direct::distant_irradiance`; negative where that is `None`.
+fn distant_irradiance(position: vec3f, n: vec3f, from: array<vec3f, 3>, area_normal: vec3f) -> f32 {
+    let a = from[0] - position;
+    let b = from[1] - position;
+    let c = from[2] - position;
+    let centre = a + b + c;
+    let size = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
+    let lowest = min(min(dot(a, n), dot(b, n)), dot(c, n));
+    if size > 0.04 * dot(centre, centre) / 9.0 || lowest < 0.0 {
+        return -1.0;
+    }
+    var middles = array<vec3f, 3>(0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
+    var sum = 0.0;
+    for (var i = 0u; i < 3u; i++) {
+        let q = middles[i];
+        let squared = dot(q, q);
+        sum += dot(q, n) * abs(dot(q, area_normal)) / (squared * squared);
+    }
+    return sum / 6.0;
+}
+
 fn area_factor(emitter: EmitterInfo, receiver: Receiver) -> f32 {
     var factor = 0.0;
     for (var i = emitter.first; i < emitter.first + emitter.count; i++) {
@@ -87,10 +108,16 @@ fn area_factor(emitter: EmitterInfo, receiver: Receiver) -> f32 {
         let a = corners[t].position;
         let b = corners[t + 1u].position;
         let c = corners[t + 2u].position;
-        if dot(cross(b - a, c - a), receiver.position - a) > 0.0 {
-            factor += polygon_irradiance(receiver.position, receiver.normal, a, b, c);
-        } else if (emitter.flags & DOUBLE_SIDED) != 0u {
-            factor += polygon_irradiance(receiver.position, receiver.normal, a, c, b);
+        let area_normal = cross(b - a, c - a);
+        let faces = dot(area_normal, receiver.position - a) > 0.0;
+        if !faces && (emitter.flags & DOUBLE_SIDED) == 0u {
+            continue;
+        }
+        let distant = distant_irradiance(receiver.position, receiver.normal, array<vec3f, 3>(a, b, c), area_normal);
+        if distant >= 0.0 {
+            factor += distant;
+        } else {
+            factor += polygon_irradiance(receiver.position, receiver.normal, a, select(c, b, faces), select(b, c, faces));
         }
     }
     return factor;
