@@ -131,7 +131,7 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
     assert_eq!(window.scene().plan.element_spacing_m, None);
     assert_eq!(window.scene().plan.volume_bins_n, Some(5), "other lines stay");
     window.wait_lit();
-    // An eightieth of the diagonal of 6.4 m is 8 cm: 39 times as many as half a metre apart.
+    // A hundredth of the diagonal of 6.4 m is 6.4 cm: 61 times as many as half a metre apart.
     assert!(elements(&window) > 20 * before, "{} elements, {before} before", elements(&window));
     window.harness.get_by_label("radiosity: automatic");
 

@@ -48,10 +48,7 @@ pub fn irradiance(solution: &RadiositySolution, world: &World, part: Part) -> In
 
 /// How much one more sweep would change each element's indirect irradiance, lx.
 pub fn residual(solution: &RadiositySolution, world: &World) -> InspectionScene {
-    let mut again = solution.transport().gather(solution.radiosity());
-    solution.transport().fill(&mut again);
-    let values: Vec<Vec3> = again.iter().zip(&solution.indirect).map(|(a, i)| (*a - *i).abs()).collect();
-    coloured(solution, world, &values, "residual irradiance", "lx")
+    coloured(solution, world, &solution.residual(), "residual irradiance", "lx")
 }
 
 /// Figures of a solution, with units.

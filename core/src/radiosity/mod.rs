@@ -2,7 +2,8 @@
 //!
 //! Elements lie on the surfaces ([`surface_map`]); what each sees is cached as hit numbers
 //! ([`gather`]); direct light is kept per emitter; [`solve`] sweeps until the bound of the error is
-//! below tolerance. A changed lamp costs its own shadow rays and a few sweeps, no new visibility.
+//! below tolerance. A changed lamp costs its own shadow rays and a few sweeps, no new visibility. What
+//! noise the rays leave is [`smooth`]ed away where it can be told from light.
 //!
 //! The picture takes *direct* light exactly at each point and only *indirect* light from elements,
 //! because shadows and lamps' falloff are sharper than any element while interreflection is not.
@@ -15,6 +16,7 @@ mod direct_light;
 pub mod gather;
 pub mod inspect;
 pub mod lookup;
+pub mod smooth;
 pub mod solve;
 pub mod surface_map;
 
@@ -36,6 +38,7 @@ use direct_light::EmitterLight;
 use gather::Transport;
 use glam::{DVec3, Vec2, Vec3};
 use lookup::SideMap;
+use rayon::prelude::*;
 use solve::{Convergence, weighted_sum};
 use std::sync::Arc;
 use surface_map::{Element, SurfaceMap};
@@ -49,6 +52,8 @@ pub struct RadiositySettings {
     pub gather_rays: u32,
     /// Shadow rays an area emitter and element, where it is partly hidden.
     pub shadow_rays: u32,
+    /// Width of the smoothing of indirect light, in standard errors of the gather; 0 leaves it rough.
+    pub smoothing: f32,
     /// Bound of the mean error of the sweeps, relative to the mean irradiance.
     pub tolerance: f32,
     /// Sweeps after which a solve is given up.
@@ -61,8 +66,9 @@ impl Default for RadiositySettings {
     fn default() -> Self {
         Self {
             element_spacing_m: None,
-            gather_rays: 256,
+            gather_rays: 96,
             shadow_rays: 16,
+            smoothing: 1.0,
             tolerance: 2e-4,
             max_sweeps: 200,
             seed: 1,
@@ -129,6 +135,8 @@ pub struct RadiositySolution {
     pub direct: Vec<Vec3>,
     /// Indirect irradiance of each element, lx per channel.
     pub indirect: Vec<Vec3>,
+    /// The same as gathered, where the next sweeps start.
+    gathered: Vec<Vec3>,
     radiosity: Vec<Vec3>,
     transport: Arc<Transport>,
     lights: Vec<EmitterLight>,
@@ -201,7 +209,7 @@ impl RadiositySolution {
         Self::converge(
             self.transport.clone(),
             lights,
-            &self.indirect,
+            &self.gathered,
             self.settings,
             max_sweeps,
             &Progress::silent(),
@@ -221,18 +229,25 @@ impl RadiositySolution {
         for light in &lights {
             light.add_to(&mut direct);
         }
-        let (mut indirect, convergence) =
+        let (mut gathered, convergence) =
             solve::indirect(&transport, &direct, start, settings.tolerance, max_sweeps, progress)?;
         transport.fill(&mut direct);
-        transport.fill(&mut indirect);
-        let radiosity = transport
-            .map
-            .elements
-            .iter()
-            .zip(direct.iter().zip(&indirect))
-            .map(|(e, (d, i))| e.reflectance * (*d + *i))
-            .collect();
-        Ok(Self { direct, indirect, radiosity, transport, lights, settings, convergence })
+        transport.fill(&mut gathered);
+        let reflected = |indirect: &[Vec3]| -> Vec<Vec3> {
+            let elements = transport.map.elements.par_iter();
+            elements
+                .zip(direct.par_iter().zip(indirect))
+                .map(|(e, (d, i))| e.reflectance * (*d + *i))
+                .collect()
+        };
+        let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
+        if settings.smoothing > 0.0 {
+            let variances = smooth::variances(&transport, &radiosity);
+            indirect = smooth::smooth(&transport, &gathered, &variances, settings.smoothing);
+            transport.fill(&mut indirect);
+            radiosity = reflected(&indirect);
+        }
+        Ok(Self { direct, indirect, gathered, radiosity, transport, lights, settings, convergence })
     }
 
     /// Irradiance at barycentric weights of a triangle, on its front or back, lx per channel.
@@ -294,6 +309,19 @@ impl RadiositySolution {
         &self.radiosity
     }
 
+    /// How much one more sweep would change what each element gathered, lx per channel.
+    pub fn residual(&self) -> Vec<Vec3> {
+        let radiosity: Vec<Vec3> = self
+            .elements()
+            .iter()
+            .zip(self.direct.iter().zip(&self.gathered))
+            .map(|(e, (d, g))| e.reflectance * (*d + *g))
+            .collect();
+        let mut again = self.transport.gather(&radiosity);
+        self.transport.fill(&mut again);
+        again.iter().zip(&self.gathered).map(|(a, g)| (*a - *g).abs()).collect()
+    }
+
     /// The elements.
     pub fn elements(&self) -> &[Element] {
         &self.transport.map.elements
@@ -337,7 +365,7 @@ impl RadiositySolution {
 
     /// Bytes held, the shared transport included.
     pub fn bytes(&self) -> usize {
-        let tables = size_of_val(&self.direct[..]) * 3;
+        let tables = size_of_val(&self.direct[..]) * 4;
         self.transport.bytes() + tables + self.lights.iter().map(EmitterLight::bytes).sum::<usize>()
     }
 }

@@ -19,7 +19,6 @@ use super::{
 use crate::scene::{direct::Receiver, geometry::Geometry};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Node outside its region, or at the rim of what stands on it: not solved, filled from its neighbours.
@@ -87,16 +86,16 @@ pub const FOOTPRINT: usize = 8;
 const LAMP_FINENESS: f32 = 0.25;
 
 /// Elements across the bounding diagonal where no spacing is given and the number of nodes allows it.
-const ACROSS: f32 = 80.0;
+const ACROSS: f32 = 100.0;
 
 /// Elements that a spacing chosen from the scene aims to stay below.
-const WANTED_ELEMENTS: usize = 24_000;
+const WANTED_ELEMENTS: usize = 50_000;
 /// Elements above which a scene is refused.
 const MOST_ELEMENTS: usize = 4_000_000;
 
 impl SurfaceMap {
-    /// Lays out the elements of a scene, `spacing_m` apart; without one the spacing is chosen: an
-    /// eightieth of the bounding diagonal, larger where that gives more than 24,000 nodes.
+    /// Lays out the elements of a scene, `spacing_m` apart; without one the spacing is chosen: a
+    /// hundredth of the bounding diagonal, larger where that gives more than 50,000 nodes.
     ///
     /// # Errors
     /// [`RadiosityError::BadSpacing`], [`RadiosityError::TooManyElements`].
@@ -271,20 +270,20 @@ impl SurfaceMap {
         let mut weighted = vec![Vec3::ZERO; self.elements.len()];
         let mut points: Vec<Receiver> = Vec::new();
         let mut shares: Vec<(u32, f32, u32)> = Vec::new();
+        let mut counts = vec![0u32; self.elements.len() + 1];
         for t in 0..geometry.len() as u32 {
             let area = 0.5 * geometry.area_normal(t).length();
             let textured = geometry.material_of(t).reflectance_texture.is_some();
             let taps = if textured { 4.0 } else { 3.0 };
-            let n =
-                (taps * longest_edge_in_nodes(&self.sides[2 * t as usize])).ceil().clamp(2.0, 512.0) as u32;
+            let barycentric = triangle_points(edges_in_nodes(&self.sides[2 * t as usize]).map(|e| taps * e));
             for back in [false, true] {
                 let side = self.sides[2 * t as usize + usize::from(back)];
                 if side == SideMap::NONE {
                     continue;
                 }
-                let share = area / (n * n) as f32;
+                let share = area / barycentric.len() as f32;
                 let towards = geometry.area_normal(t) * if back { 1.0 } else { -1.0 };
-                for barycentric in triangle_points(n) {
+                for &barycentric in &barycentric {
                     let surface = geometry.surface(t, barycentric, towards);
                     let reflectance = geometry.material_of(t).reflectance_at(surface.uv, &geometry.textures);
                     let blend = blend(&side, barycentric);
@@ -292,6 +291,7 @@ impl SurfaceMap {
                         if weight > 0.0 {
                             self.elements[element as usize].area += share * weight;
                             weighted[element as usize] += reflectance * (share * weight);
+                            counts[element as usize + 1] += 1;
                             shares.push((element, share * weight, points.len() as u32));
                         }
                     }
@@ -315,13 +315,22 @@ impl SurfaceMap {
                 [own; FOOTPRINT]
             })
             .collect();
-        // Stable: points keep the order of their triangles.
-        shares.par_sort_by_key(|(element, ..)| *element);
-        for of_one in shares.chunk_by(|a, b| a.0 == b.0) {
-            let element = of_one[0].0 as usize;
-            let step = of_one.iter().map(|(_, share, _)| share).sum::<f32>() / FOOTPRINT as f32;
+        // A counting sort by element; points keep the order of their triangles.
+        for i in 1..counts.len() {
+            counts[i] += counts[i - 1];
+        }
+        let mut places = counts.clone();
+        let mut sorted = vec![(0.0f32, 0u32); shares.len()];
+        for (element, share, point) in shares {
+            let place = &mut places[element as usize];
+            sorted[*place as usize] = (share, point);
+            *place += 1;
+        }
+        for (element, range) in counts.windows(2).enumerate() {
+            let of_one = &sorted[range[0] as usize..range[1] as usize];
+            let step = of_one.iter().map(|(share, _)| share).sum::<f32>() / FOOTPRINT as f32;
             let (mut passed, mut k) = (0.0, 0);
-            for &(_, share, point) in of_one {
+            for &(share, point) in of_one {
                 passed += share;
                 while k < FOOTPRINT && passed >= (k as f32 + 0.5) * step {
                     self.footprints[element * FOOTPRINT + k] = points[point as usize];
@@ -332,28 +341,52 @@ impl SurfaceMap {
     }
 }
 
-/// Longest edge of a triangle in grid steps; 1 for vertex elements.
-fn longest_edge_in_nodes(side: &SideMap) -> f32 {
+/// Edges of a triangle opposite to corners 0, 1 and 2, in grid steps; 1 for vertex elements.
+fn edges_in_nodes(side: &SideMap) -> [f32; 3] {
     if side.size == 0 {
-        return 1.0;
+        return [1.0; 3];
     }
     let corner =
         |i: usize| Vec2::new(f32::from_bits(side.corners[2 * i]), f32::from_bits(side.corners[2 * i + 1]));
-    let edge = |i: usize, k: usize| (corner(i) - corner(k)).abs().max_element();
-    edge(0, 1).max(edge(1, 2)).max(edge(2, 0))
+    [(1, 2), (2, 0), (0, 1)].map(|(i, k)| (corner(i) - corner(k)).abs().max_element())
 }
 
-/// Centroids of the n² equal triangles a triangle splits into, as barycentric weights of corners 1 and 2.
-fn triangle_points(n: u32) -> impl Iterator<Item = Vec2> {
+/// Points that stand for equal shares of a triangle's area, as barycentric weights of corners 1 and 2;
+/// `taps` wanted along the edges opposite to corners 0, 1 and 2.
+///
+/// The centroids of the n² equal triangles it splits into; for a sliver, the middles of cells of a square
+/// mapped onto it with equal areas, many along it and few across.
+fn triangle_points(taps: [f32; 3]) -> Vec<Vec2> {
+    const SLIVER: f32 = 4.0;
+    let count = |taps: f32| taps.ceil().clamp(2.0, 512.0) as u32;
+    let [a, b, c] = taps;
+    let (shortest, longest) = (a.min(b).min(c), a.max(b).max(c));
+    let n = count(longest);
+    if longest > SLIVER * shortest && n > 2 {
+        let across = count(shortest);
+        let apex = [a, b, c].iter().position(|e| *e == shortest).unwrap_or(0);
+        let point = |x: u32, y: u32| {
+            let root = ((x as f32 + 0.5) / n as f32).sqrt();
+            let next = root * (y as f32 + 0.5) / across as f32;
+            let mut weights = [0.0; 3];
+            weights[apex] = 1.0 - root;
+            weights[(apex + 1) % 3] = root - next;
+            weights[(apex + 2) % 3] = next;
+            Vec2::new(weights[1], weights[2])
+        };
+        return (0..n).flat_map(|x| (0..across).map(move |y| point(x, y))).collect();
+    }
     let step = 1.0 / n as f32;
-    (0..n).flat_map(move |y| {
-        (0..n - y).flat_map(move |x| {
-            let corner = Vec2::new(x as f32, y as f32) * step;
-            let upright = Some(corner + Vec2::splat(step / 3.0));
-            let inverted = (x + y + 1 < n).then(|| corner + Vec2::splat(step * 2.0 / 3.0));
-            upright.into_iter().chain(inverted)
+    (0..n)
+        .flat_map(|y| {
+            (0..n - y).flat_map(move |x| {
+                let corner = Vec2::new(x as f32, y as f32) * step;
+                let upright = Some(corner + Vec2::splat(step / 3.0));
+                let inverted = (x + y + 1 < n).then(|| corner + Vec2::splat(step * 2.0 / 3.0));
+                upright.into_iter().chain(inverted)
+            })
         })
-    })
+        .collect()
 }
 
 /// A cell of a 4×4 grid on the octahedral map of directions.
@@ -401,8 +434,8 @@ fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> usize {
 pub struct ElementLayout {
     /// Distance between grid nodes, m.
     pub spacing_m: f32,
-    /// Distance that an eightieth of the bounding diagonal would be, m.
-    pub eightieth_m: f32,
+    /// Distance that a hundredth of the bounding diagonal would be, m.
+    pub hundredth_m: f32,
     /// Grid nodes on flat faces.
     pub grid_nodes: usize,
     /// Triangles lit at their corners, at most one element for each corner and fewer where corners
@@ -420,7 +453,7 @@ impl ElementLayout {
         let small: usize = flat.iter().filter(single).map(|r| r.triangles.len()).sum();
         Self {
             spacing_m,
-            eightieth_m: diagonal / ACROSS,
+            hundredth_m: diagonal / ACROSS,
             grid_nodes: grid_nodes(geometry, &flat, spacing_m),
             curved_triangles: curved.len() + small,
         }

@@ -142,11 +142,11 @@ impl Needs<'_> {
             return self.line(Component::Radiosity, false, String::new(), reason);
         }
         let layout = ElementLayout::new(&self.world.geometry, settings.element_spacing_m);
-        let coarser = settings.element_spacing_m.is_none() && layout.spacing_m > 1.01 * layout.eightieth_m;
+        let coarser = settings.element_spacing_m.is_none() && layout.spacing_m > 1.01 * layout.hundredth_m;
         let cap = if coarser {
             format!(
-                " (1/80 of the scene would be {}; coarser, to stay near 24,000)",
-                metres(layout.eightieth_m)
+                " (1/100 of the scene would be {}; coarser, to stay near 50,000)",
+                metres(layout.hundredth_m)
             )
         } else {
             String::new()
@@ -161,7 +161,7 @@ impl Needs<'_> {
         let by_default = !Component::Radiosity.is_overridden(self.over);
         let (expected_error, error_basis) = if by_default {
             let basis = "median of surface irradiance: the tolerance asked for; at the default of 4 %, \
-                         1.4 % was measured in a box and 3.8 % in the office";
+                         1.4 % was measured in a box and 2.0 % in the office";
             (ExpectedError::Median(self.tolerance), basis)
         } else {
             (ExpectedError::Unknown, "not measured for settings fixed by hand")

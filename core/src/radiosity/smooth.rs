@@ -1,0 +1,79 @@
+//! Smoothing of what the gather rays left rough, where the difference between neighbours is no more
+//! than their noise.
+//!
+//! The rays of an element say how certain its irradiance is: the variance of the mean of the radiosities
+//! they met. Neighbouring nodes of a grid are averaged with binomial weights over 5 × 5, each times
+//! exp(−(Eᵢ − Eⱼ)² / (2 c² (σᵢ² + σⱼ²))): equal within their noise they count fully, further apart than a
+//! few standard errors not at all, so contacts and shadow edges stay. This is the range filter of Tomasi
+//! and Manduchi (1998) with a width that is measured, not chosen. In the office it does more than four
+//! times the rays. Not more rays where it is rough: the noise falls with their root only.
+//!
+//! Limits: vertex elements are left as they are, and a true difference below the noise is blurred.
+
+use super::{gather::Transport, surface_map::UNSOLVED};
+use crate::math::colour::luminance;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Binomial weights at 0, 1 and 2 nodes of distance.
+const BINOMIAL: [f32; 3] = [6.0, 4.0, 1.0];
+
+/// Variance of the mean over each element's hits of the luminance of `values`, one value an element.
+pub fn variances(transport: &Transport, values: &[Vec3]) -> Vec<f32> {
+    let padded: Vec<f32> = values.iter().map(|v| luminance(*v)).chain(std::iter::once(0.0)).collect();
+    let n = transport.rays.max(1) as usize;
+    transport
+        .hits
+        .par_chunks(n)
+        .with_min_len(64)
+        .map(|row| {
+            let mean = row.iter().fold(0.0, |sum, &hit| sum + padded[hit as usize]) / n as f32;
+            let squares = row.iter().fold(0.0, |sum, &hit| {
+                let d = padded[hit as usize] - mean;
+                sum + d * d
+            });
+            squares / (n * n) as f32
+        })
+        .collect()
+}
+
+/// Irradiance with the noise of the gather rays averaged away on grids; see the module's text.
+///
+/// `irradiance` and `variances` have one entry an element, `width` is c in standard errors. Elements that
+/// are not solved neither give nor take.
+pub fn smooth(transport: &Transport, irradiance: &[Vec3], variances: &[f32], width: f32) -> Vec<Vec3> {
+    let elements = &transport.map.elements;
+    let level: Vec<f32> = irradiance.iter().map(|e| luminance(*e)).collect();
+    let mut out = irradiance.to_vec();
+    out.par_iter_mut().enumerate().with_min_len(256).for_each(|(i, out)| {
+        let element = &elements[i];
+        let Some(chart) = transport.map.charts.get(element.chart as usize) else { return };
+        if element.flags & UNSOLVED != 0 {
+            return;
+        }
+        let (nx, ny) = (chart.nx as usize, chart.ny as usize);
+        let local = i - chart.first_element as usize;
+        let (x, y) = (local % nx, local / nx);
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for v in y.saturating_sub(2)..(y + 3).min(ny) {
+            for u in x.saturating_sub(2)..(x + 3).min(nx) {
+                let j = chart.first_element as usize + v * nx + u;
+                if elements[j].flags & UNSOLVED != 0 {
+                    continue;
+                }
+                let difference = level[i] - level[j];
+                let noise = 2.0 * width * width * (variances[i] + variances[j]);
+                let likeness = if i == j || noise == 0.0 {
+                    f32::from(difference == 0.0)
+                } else {
+                    (-difference * difference / noise).exp()
+                };
+                let weight = BINOMIAL[u.abs_diff(x)] * BINOMIAL[v.abs_diff(y)] * likeness;
+                sum += irradiance[j] * weight;
+                total += weight;
+            }
+        }
+        *out = sum / total;
+    });
+    out
+}
