@@ -118,7 +118,7 @@ fn each_basis_is_as_close_as_it_should_be() {
     let (scene, light) = furnished();
     let volume = build(&scene, &light, &small([5, 4, 6]));
     for part in [Part::Indirect, Part::All] {
-        let errors = volume.compare_bases(&light, part, 200, 40);
+        let errors = volume.compare_bases(&World::new(&scene), &light, part, 200, 40);
         for e in &errors {
             eprintln!(
                 "{part:?}, {}: median {:.2} %, 95th {:.2} %, worst {:.1} %, signed {:+.2} %, {} bytes",

@@ -4,8 +4,11 @@
 //! a normal that no bin is centred on is summed from the sample's radiance bins and from what arrives
 //! from each emitter (Eq. 4.3 for that one normal), and compared with what the basis gives.
 
-use super::{Basis, IrradianceVolume, SurfaceLight, solve::element_radiance};
-use crate::math::{colour::luminance, frame::uniform_direction, part::Part, random::Rng};
+use super::{Basis, IrradianceVolume, SurfaceLight};
+use crate::{
+    math::{colour::luminance, frame::uniform_direction, part::Part, random::Rng},
+    scene::world::World,
+};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -31,6 +34,7 @@ impl IrradianceVolume {
     /// each. Empty where the volume comes from a file, which does not keep radiance.
     pub fn compare_bases(
         &self,
+        world: &World,
         light: &impl SurfaceLight,
         part: Part,
         samples: usize,
@@ -39,7 +43,7 @@ impl IrradianceVolume {
         let Some(transport) = &self.transport else { return Vec::new() };
         let step = self.samples.len().div_ceil(samples.max(1)).max(1);
         let bins = self.bins();
-        let (rays, radiosity) = (self.settings.supersample as usize, light.radiosity());
+        let seen = transport.met.seen(world, light.radiosity(), &self.settings.ignored);
         let centres: Vec<Vec3> = (0..bins.len()).map(|b| bins.centre(b)).collect();
         // Exact luminance, then that of each basis.
         let rows: Vec<[f32; 4]> = (0..self.samples.len())
@@ -47,11 +51,8 @@ impl IrradianceVolume {
             .step_by(step)
             .filter(|&s| self.samples[s].valid)
             .flat_map_iter(|s| {
-                let seen = &transport.elements[s * bins.len() * rays..][..bins.len() * rays];
-                let radiance: Vec<Vec3> = seen
-                    .chunks_exact(rays)
-                    .map(|e| e.iter().map(|&e| element_radiance(radiosity, e)).sum::<Vec3>() / rays as f32)
-                    .collect();
+                let mut radiance = vec![Vec3::ZERO; bins.len()];
+                transport.met.reflected(s, &seen, &mut radiance);
                 let centres = &centres;
                 (0..directions).map(move |i| {
                     let normal = uniform_direction(Rng::new(s as u64, i).next_vec2());

@@ -3,8 +3,7 @@
 use super::{
     IrradianceVolume, SurfaceLight,
     grid::NONE,
-    probe::{Probe, Quantity, emission},
-    solve::element_radiance,
+    probe::{Probe, Quantity},
 };
 use crate::{
     inspection::{InspectionScene, Legend, Line, SphereGlyph},
@@ -174,19 +173,14 @@ impl IrradianceVolume {
         let Some(transport) = &self.transport else {
             return vec![Vec3::ZERO; bins];
         };
-        let rays = self.settings.supersample as usize;
-        let share = 1.0 / rays as f32;
+        let met = &transport.met;
+        let seen = met.seen(world, light.radiosity(), &self.settings.ignored);
         let mut radiance = vec![Vec3::ZERO; bins];
         if part != Part::Direct {
-            let seen = &transport.elements[sample * bins * rays..][..bins * rays];
-            for (l, seen) in radiance.iter_mut().zip(seen.chunks_exact(rays)) {
-                *l = seen.iter().fold(Vec3::ZERO, |s, &e| s + element_radiance(light.radiosity(), e)) * share;
-            }
+            met.reflected(sample, &seen, &mut radiance);
         }
         if part != Part::Indirect {
-            for &(ray, triangle, uv) in &transport.emitters_seen[sample] {
-                radiance[ray as usize / rays] += emission(world, triangle, uv) * share;
-            }
+            met.add_emitted(sample, &seen, &mut radiance);
         }
         radiance
     }

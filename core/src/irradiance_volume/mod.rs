@@ -21,18 +21,21 @@
 //! function and show it as it is.
 
 pub mod bases;
+mod cache;
 pub mod codec;
 pub mod direct;
 pub mod directions;
 pub mod file;
 pub mod grid;
 pub mod harmonics;
+pub mod ignored;
 pub mod inspect;
 pub mod overlap;
 pub mod placement;
 pub mod probe;
 pub mod quadrature;
 pub mod query;
+pub mod rays;
 pub mod settings;
 pub mod solve;
 
@@ -42,15 +45,19 @@ pub use solve::SurfaceLight;
 
 use crate::{
     math::{part::Part, sphere_map::DirectionBins},
-    radiosity::RadiositySolution,
+    radiosity::{
+        RadiositySolution,
+        surface_map::{Element, UNSOLVED},
+    },
 };
+use cache::Transport;
 use codec::Texel;
-use direct::{Arrivals, Centres};
+use direct::Arrivals;
 use directions::Directions;
 use glam::{Vec2, Vec3};
 use grid::BilevelGrid;
 use harmonics::Harmonics;
-use quadrature::Quadrature;
+use rays::Patch;
 use std::sync::Arc;
 
 /// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
@@ -94,17 +101,6 @@ impl Tables {
         let harmonics = Harmonics::new(bins, &direct, &indirect);
         Self { direct: Arc::new(direct), indirect: Arc::new(indirect), harmonics }
     }
-}
-
-/// What stays the same while light changes.
-#[derive(Debug)]
-struct Transport {
-    /// Element of every ray: sample by sample, bin by bin.
-    elements: Vec<u32>,
-    /// Rays of each sample that met an emitting side: number, triangle, texture coordinates.
-    emitters_seen: Vec<Vec<(u32, u32, Vec2)>>,
-    quadrature: Quadrature,
-    centres: Centres,
 }
 
 impl IrradianceVolume {
@@ -159,10 +155,7 @@ impl IrradianceVolume {
 
     /// Bytes held, everything counted.
     pub fn bytes(&self) -> usize {
-        let transport = self.transport.as_ref().map_or(0, |t| {
-            size_of_val(&t.elements[..])
-                + t.emitters_seen.iter().map(|s| size_of_val(&s[..]) + size_of::<Vec<u32>>()).sum::<usize>()
-        });
+        let transport = self.transport.as_ref().map_or(0, |t| t.met.bytes());
         2 * self.table_bytes()
             + self.tables.harmonics.bytes()
             + transport
@@ -179,5 +172,14 @@ impl SurfaceLight for RadiositySolution {
 
     fn radiosity(&self) -> &[Vec3] {
         self.radiosity()
+    }
+
+    fn patch(&self, element: u32) -> Option<Patch> {
+        let Element { chart, geometric_normal: normal, flags, .. } = *self.elements().get(element as usize)?;
+        let chart = self.transport().map.charts.get(chart as usize).filter(|_| flags & UNSOLVED == 0)?;
+        let node = element - chart.first_element;
+        let [x, y] = [node % chart.nx, node / chart.nx].map(|i| i as f32);
+        let centre = chart.origin + chart.step_u * x + chart.step_v * y;
+        Some(Patch { centre, edges: [chart.step_u, chart.step_v], normal })
     }
 }

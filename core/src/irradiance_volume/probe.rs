@@ -2,9 +2,11 @@
 
 use super::{
     VolumeError, VolumeSettings,
+    cache::Met,
     direct::{Centres, add_irradiance, arrivals},
     quadrature::{BLOCK, LANES, Quadrature},
-    solve::{SurfaceLight, element_radiance, trace_point},
+    rays::{Targets, trace_point},
+    solve::SurfaceLight,
 };
 use crate::{
     inspection::{Curve, NamedImage},
@@ -99,20 +101,27 @@ impl Probe {
         let settings =
             VolumeSettings { bins_n: n, supersample, seed, direct_samples: 64, ..VolumeSettings::default() };
         settings.check()?;
-        let bins = DirectionBins::new(n);
-        let hits = trace_point(world, light, bins, &settings, position, 0);
-        let rays = supersample as usize;
-        let share = 1.0 / rays as f32;
-        let radiosity = light.radiosity();
-        let reflected_radiance: Vec<Vec3> = hits
-            .elements
-            .chunks_exact(rays)
-            .map(|seen| seen.iter().fold(Vec3::ZERO, |s, &e| s + element_radiance(radiosity, e)) * share)
-            .collect();
+        Ok(Self::with(world, light, position, &settings, &Targets::default(), 0))
+    }
+
+    /// What a sample of a volume with these settings would hold at a point; `item` decorrelates points.
+    pub fn with(
+        world: &World,
+        light: &impl SurfaceLight,
+        position: Vec3,
+        settings: &VolumeSettings,
+        targets: &Targets,
+        item: u32,
+    ) -> Self {
+        let bins = DirectionBins::new(settings.bins_n);
+        let hits = trace_point(world, light, bins, settings, targets, position, item);
+        let back_face_fraction = hits.back_face_fraction;
+        let met = Met::new(bins, settings, vec![hits]);
+        let seen = met.seen(world, light.radiosity(), &settings.ignored);
+        let mut reflected_radiance = vec![Vec3::ZERO; bins.len()];
+        met.reflected(0, &seen, &mut reflected_radiance);
         let mut radiance = reflected_radiance.clone();
-        for &(ray, triangle, uv) in &hits.emitters {
-            radiance[ray as usize / rays] += emission(world, triangle, uv) * share;
-        }
+        met.add_emitted(0, &seen, &mut radiance);
 
         let mut lanes = vec![[0.0; LANES]; bins.len()];
         for (lanes, l) in lanes.iter_mut().zip(&reflected_radiance) {
@@ -125,18 +134,18 @@ impl Probe {
         let mut sums = std::array::from_fn(|_| vec![0.0; bins.len()]);
         let centres = Centres::new(bins);
         for emitter in &world.emitters.list {
-            add_irradiance(&centres, &arrivals(world, emitter, position, &settings), &mut sums);
+            add_irradiance(&centres, &arrivals(world, emitter, position, settings), &mut sums);
         }
         let [r, g, b] = sums;
-        Ok(Self {
+        Self {
             position,
             bins,
             radiance,
             reflected_radiance,
             direct: (0..bins.len()).map(|i| Vec3::new(r[i], g[i], b[i])).collect(),
             indirect: out.iter().map(|o| Vec3::new(o[0], o[BLOCK], o[2 * BLOCK])).collect(),
-            back_face_fraction: hits.back_face_fraction,
-        })
+            back_face_fraction,
+        }
     }
 
     /// Irradiance of a surface facing each bin, lx per channel.

@@ -1,6 +1,9 @@
 //! What a volume is built with, and what can go wrong.
 
-use super::grid::{BilevelGrid, cells_with_geometry};
+use super::{
+    grid::{BilevelGrid, cells_with_geometry},
+    ignored::Ignored,
+};
 use crate::{
     math::progress::Cancelled,
     scene::{emitters::Emitter, lamp::LampKind, world::World},
@@ -49,6 +52,10 @@ pub struct VolumeSettings {
     pub bins_n: u32,
     /// Radiance rays a bin, 1 to 256; 1 goes through its centre.
     pub supersample: u32,
+    /// Extra radiance rays a sample, aimed at surfaces known to be bright, up to 65,536; see [`super::rays`].
+    pub informed_rays: u32,
+    /// Share of a ray's light left after mirrors, in the best channel, below which it is given up; 0 to 1.
+    pub specular_cutoff: f32,
     /// Shadow rays a luminous surface at least, from each sample.
     pub direct_samples: u32,
     /// Seed of the jitter.
@@ -57,6 +64,8 @@ pub struct VolumeSettings {
     pub back_face_limit: f32,
     /// What queries read.
     pub basis: Basis,
+    /// Surfaces and lamps left out as sources of light.
+    pub ignored: Ignored,
 }
 
 impl Default for VolumeSettings {
@@ -67,10 +76,13 @@ impl Default for VolumeSettings {
             second_level: 3,
             bins_n: 17,
             supersample: 1,
+            informed_rays: 0,
+            specular_cutoff: 0.02,
             direct_samples: 16,
             seed: 0,
             back_face_limit: 0.25,
             basis: Basis::Bins,
+            ignored: Ignored::default(),
         }
     }
 }
@@ -148,6 +160,11 @@ impl VolumeSettings {
         within("second_level", self.second_level, 2, 9, "2 to 9")?;
         within("bins_n", self.bins_n, 1, 128, "1 to 128")?;
         within("supersample", self.supersample, 1, 256, "1 to 256")?;
+        within("informed_rays", self.informed_rays, 0, 65_536, "0 to 65,536")?;
+        if !(0.0..=1.0).contains(&self.specular_cutoff) {
+            let value = self.specular_cutoff.to_string();
+            return Err(VolumeError::Setting { name: "specular_cutoff", value, range: "0 to 1" });
+        }
         within("direct_samples", self.direct_samples, 1, 1024, "1 to 1024")?;
         if self.back_face_limit.is_nan() || self.back_face_limit < 0.0 {
             let value = self.back_face_limit.to_string();

@@ -43,6 +43,12 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Whether it is so smooth a metal that rays of the irradiance volume are reflected by it as by a
+    /// mirror, with `reflectance` for the share that is left: metallic over ½, roughness under 0.05.
+    pub fn is_mirror(&self) -> bool {
+        self.metallic > 0.5 && self.roughness < 0.05
+    }
+
     /// Diffuse reflectance at texture coordinates.
     pub fn reflectance_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Vec3 {
         match self.reflectance_texture {

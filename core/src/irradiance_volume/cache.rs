@@ -1,0 +1,239 @@
+//! What stays the same while light changes: what every ray met, by number; and light sent through it.
+//!
+//! Radiance is linear in the elements' radiosity, so new light, light without some surfaces, and the
+//! split into direct and indirect are all sums over the same rays: nothing is traced twice.
+
+use super::{
+    Tables, VolumeSettings,
+    codec::{Texel, encode, encode_rgb},
+    direct::{Arrivals, Centres, add_irradiance},
+    ignored::Ignored,
+    probe::emission,
+    quadrature::{BLOCK, LANES, Lanes, Quadrature},
+    rays::{Extra, NO_ELEMENT, PointHits, Source},
+};
+use crate::{math::sphere_map::DirectionBins, scene::world::World};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
+
+/// What the rays of some points met.
+#[derive(Debug)]
+pub(super) struct Met {
+    /// Element of every ray: sample by sample, bin by bin.
+    elements: Vec<u32>,
+    /// What bins of each sample see beside whole rays of their own.
+    extras: Vec<Vec<Extra>>,
+    /// Rays of each sample that met an emitting side: number, triangle, texture coordinates.
+    emitters_seen: Vec<Vec<(u32, u32, Vec2)>>,
+    /// A triangle that each element lies on, or [`NO_ELEMENT`] for those that no ray met.
+    owners: Vec<u32>,
+    /// Rays a bin.
+    rays: usize,
+}
+
+/// What a volume keeps to be lit again.
+#[derive(Debug)]
+pub(super) struct Transport {
+    /// What the rays of every sample met.
+    pub met: Met,
+    /// From radiance to irradiance.
+    pub solver: Solver,
+}
+
+/// From radiance in the bins to irradiance in the bins.
+#[derive(Debug)]
+pub(super) struct Solver {
+    quadrature: Quadrature,
+    centres: Centres,
+}
+
+/// Light as the rays of a cache see it.
+pub(super) struct SeenLight<'a> {
+    world: &'a World,
+    /// Reflected radiance of each element, cd/m²; black where it is ignored.
+    radiance: Vec<Vec3>,
+    ignored: &'a Ignored,
+}
+
+impl Met {
+    /// Gathers what was met from every point.
+    pub fn new(bins: DirectionBins, settings: &VolumeSettings, hits: Vec<PointHits>) -> Self {
+        let rays = settings.supersample as usize;
+        let count = hits.len();
+        let mut met = Self {
+            elements: Vec::with_capacity(count * bins.len() * rays),
+            extras: Vec::with_capacity(count),
+            emitters_seen: Vec::with_capacity(count),
+            owners: Vec::new(),
+            rays,
+        };
+        for hit in hits {
+            met.elements.extend(hit.elements);
+            met.extras.push(hit.extras);
+            met.emitters_seen.push(hit.emitters);
+            for (element, triangle) in hit.owners {
+                let element = element as usize;
+                if met.owners.len() <= element {
+                    met.owners.resize(element + 1, NO_ELEMENT);
+                }
+                met.owners[element] = triangle;
+            }
+        }
+        met
+    }
+
+    /// Light as this cache sees it, without what is ignored.
+    pub fn seen<'a>(&self, world: &'a World, radiosity: &[Vec3], ignored: &'a Ignored) -> SeenLight<'a> {
+        let black = |element: usize| {
+            !ignored.is_empty()
+                && self
+                    .owners
+                    .get(element)
+                    .is_some_and(|&t| t != NO_ELEMENT && ignored.holds_triangle(&world.geometry, t))
+        };
+        let radiance = radiosity
+            .iter()
+            .enumerate()
+            .map(|(e, b)| if black(e) { Vec3::ZERO } else { *b * FRAC_1_PI })
+            .collect();
+        SeenLight { world, radiance, ignored }
+    }
+
+    /// Radiance that comes to a sample from each bin after at least one bounce, cd/m² per channel.
+    pub fn reflected(&self, sample: usize, light: &SeenLight, out: &mut [Vec3]) {
+        let seen = &self.elements[sample * out.len() * self.rays..][..out.len() * self.rays];
+        let share = 1.0 / self.rays as f32;
+        for (out, seen) in out.iter_mut().zip(seen.chunks_exact(self.rays)) {
+            *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + light.element(e)) * share;
+        }
+        for extra in &self.extras[sample] {
+            let radiance = match extra.source {
+                Source::Element(e) => light.element(e),
+                Source::Emission(triangle, uv) => light.emitted(triangle, uv),
+            };
+            out[extra.bin as usize] += extra.factor * radiance;
+        }
+        // A bright surface that an aimed ray takes over leaves a bin nothing, but for rounding.
+        out.iter_mut().for_each(|l| *l = l.max(Vec3::ZERO));
+    }
+
+    /// Adds the radiance of emitters that a sample's rays met, cd/m² per channel.
+    pub fn add_emitted(&self, sample: usize, light: &SeenLight, out: &mut [Vec3]) {
+        let share = 1.0 / self.rays as f32;
+        for &(ray, triangle, uv) in &self.emitters_seen[sample] {
+            out[ray as usize / self.rays] += light.emitted(triangle, uv) * share;
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let lists = |bytes: usize| bytes + size_of::<Vec<u32>>();
+        size_of_val(&self.elements[..])
+            + size_of_val(&self.owners[..])
+            + self.emitters_seen.iter().map(|s| lists(size_of_val(&s[..]))).sum::<usize>()
+            + self.extras.iter().map(|s| lists(size_of_val(&s[..]))).sum::<usize>()
+    }
+}
+
+impl Transport {
+    /// Irradiance of every bin of every sample from what they see and what arrives.
+    pub fn tables(&self, light: &SeenLight, arrivals: &[Arc<Arrivals>]) -> Tables {
+        let heard: Vec<&Arrivals> = light
+            .world
+            .emitters
+            .list
+            .iter()
+            .zip(arrivals)
+            .filter(|(emitter, _)| !light.ignored.holds_emitter(&light.world.geometry, emitter))
+            .map(|(_, a)| &**a)
+            .collect();
+        let met = &self.met;
+        self.solver.tables(met.extras.len(), &heard, |sample, out| met.reflected(sample, light, out))
+    }
+}
+
+impl SeenLight<'_> {
+    fn element(&self, element: u32) -> Vec3 {
+        self.radiance.get(element as usize).copied().unwrap_or_default()
+    }
+
+    fn emitted(&self, triangle: u32, uv: Vec2) -> Vec3 {
+        if self.ignored.holds_triangle(&self.world.geometry, triangle) {
+            return Vec3::ZERO;
+        }
+        emission(self.world, triangle, uv)
+    }
+}
+
+impl Solver {
+    /// For a number of bins.
+    pub fn new(bins: DirectionBins) -> Self {
+        Self { quadrature: Quadrature::new(bins), centres: Centres::new(bins) }
+    }
+
+    /// Tables of `count` samples: indirect from the radiance that `radiance` writes, cd/m² one a bin;
+    /// direct from what arrives.
+    pub fn tables(
+        &self,
+        count: usize,
+        arrivals: &[&Arrivals],
+        radiance: impl Fn(usize, &mut [Vec3]) + Sync,
+    ) -> Tables {
+        let bins = self.quadrature.bins().len();
+        let mut indirect = vec![Texel::default(); count * bins];
+        let mut direct = vec![Texel::default(); count * bins];
+        let blocks = indirect.par_chunks_mut(BLOCK * bins).zip(direct.par_chunks_mut(BLOCK * bins));
+        blocks.enumerate().for_each_init(
+            || Scratch::new(bins),
+            |scratch, (block, (indirect, direct))| {
+                let first = block * BLOCK;
+                let here = indirect.len() / bins;
+                for s in 0..here {
+                    radiance(first + s, &mut scratch.one);
+                    for (lanes, l) in scratch.radiance.iter_mut().zip(&scratch.one) {
+                        for c in 0..3 {
+                            lanes[c * BLOCK + s] = l[c];
+                        }
+                    }
+                }
+                self.quadrature.irradiance(&scratch.radiance, &mut scratch.irradiance);
+                for s in 0..here {
+                    let out = &mut indirect[s * bins..][..bins];
+                    for (texel, lanes) in out.iter_mut().zip(&scratch.irradiance) {
+                        *texel =
+                            [encode(lanes[s]), encode(lanes[BLOCK + s]), encode(lanes[2 * BLOCK + s]), 0];
+                    }
+                    scratch.direct.iter_mut().for_each(|channel| channel.fill(0.0));
+                    for emitter in arrivals {
+                        add_irradiance(&self.centres, emitter.of(first + s), &mut scratch.direct);
+                    }
+                    let [r, g, b] = &scratch.direct;
+                    for (i, texel) in direct[s * bins..][..bins].iter_mut().enumerate() {
+                        *texel = encode_rgb(Vec3::new(r[i], g[i], b[i]));
+                    }
+                }
+            },
+        );
+        Tables::new(self.quadrature.bins(), direct, indirect)
+    }
+}
+
+/// One thread's working memory.
+struct Scratch {
+    one: Vec<Vec3>,
+    radiance: Vec<Lanes>,
+    irradiance: Vec<Lanes>,
+    direct: [Vec<f32>; 3],
+}
+
+impl Scratch {
+    fn new(bins: usize) -> Self {
+        Self {
+            one: vec![Vec3::ZERO; bins],
+            radiance: vec![[0.0; LANES]; bins],
+            irradiance: vec![[0.0; LANES]; bins],
+            direct: std::array::from_fn(|_| vec![0.0; bins]),
+        }
+    }
+}
