@@ -106,6 +106,6 @@ pub fn write_pictures(
 /// Palette over a view's own range.
 pub fn false_colour(scene: &InspectionScene) -> FalseColour {
     let largest = || scene.sphere_bins.iter().map(|b| luminance(*b)).fold(0.0, f32::max);
-    let [low, high] = scene.legend.as_ref().map_or_else(|| [0.0, largest()], |l| l.range);
-    FalseColour { palette: Default::default(), low, high, logarithmic: false }
+    let range = scene.legend.as_ref().map_or_else(|| [0.0, largest()], |l| l.range);
+    FalseColour::over(range, Default::default())
 }

@@ -45,8 +45,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if options.compare_bases {
         let (samples, normals) = COMPARED;
         let parts = [("all", Part::All), ("direct", Part::Direct), ("indirect", Part::Indirect)];
-        let errors = parts
-            .map(|(name, part)| (name, volume.compare_bases(&solution.world, &*solution.radiosity, part, samples, normals)));
+        let errors = parts.map(|(name, part)| {
+            (name, volume.compare_bases(&solution.world, &*solution.radiosity, part, samples, normals))
+        });
         for (name, errors) in &errors {
             eprintln!("{name:<9}{:>9}{:>9}{:>9}{:>9}{:>12}", "median", "95th", "worst", "signed", "bytes");
             for e in errors {

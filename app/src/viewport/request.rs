@@ -124,7 +124,7 @@ pub fn inspection_colours(inspection: Option<&InspectionScene>, palette: Palette
             let bottom = (0.05 * median).max(low).max(1e-4 * high);
             FalseColour { palette, low: bottom, high, logarithmic: true }
         }
-        _ => FalseColour { palette, low, high, logarithmic: false },
+        _ => FalseColour::over([low, high], palette),
     }
 }
 

@@ -2,8 +2,11 @@
 
 use super::{
     IrradianceVolume, SurfaceLight,
+    cache::SeenLight,
+    difference::Difference,
     grid::NONE,
     probe::{Probe, Quantity},
+    slice::{notes, signed_legend},
 };
 use crate::{
     inspection::{InspectionScene, Legend, Line, SphereGlyph},
@@ -53,6 +56,30 @@ pub fn volume_spheres(
     light: &impl SurfaceLight,
     view: &VolumeView,
 ) -> InspectionScene {
+    let seen = volume.seen(world, light).filter(|_| view.quantity == Quantity::Radiance);
+    let mut scene = spheres(volume, view, |i| match view.quantity {
+        Quantity::Irradiance => volume.sample_irradiance(i, view.part),
+        Quantity::Radiance => volume.radiance_seen(i, seen.as_ref(), view.part),
+    });
+    scene.legend = Some(legend(view.quantity, &scene.sphere_bins));
+    scene
+}
+
+/// Spheres at the samples of A, coloured by A − B for a surface that faces that way, lx, signed.
+pub fn difference_spheres(difference: &Difference, view: &VolumeView) -> InspectionScene {
+    let mut scene = spheres(difference.a, view, |i| difference.at_sample(i));
+    let most = scene.sphere_bins.iter().fold(0.0f32, |m, v| m.max(luminance(*v).abs()));
+    scene.legend = Some(signed_legend("difference of irradiance", most));
+    scene.notes.extend(notes(difference));
+    scene
+}
+
+/// Spheres at the samples that a view shows, without a legend.
+fn spheres(
+    volume: &IrradianceVolume,
+    view: &VolumeView,
+    values: impl Fn(usize) -> Vec<Vec3>,
+) -> InspectionScene {
     let cell = volume.grid().cell_size();
     let edge = cell.min_element();
     let inner = volume.grid().inner() as f32;
@@ -78,12 +105,8 @@ pub fn volume_spheres(
             first_bin: scene.sphere_bins.len() as u32,
             sample: i as u32,
         });
-        scene.sphere_bins.extend(match view.quantity {
-            Quantity::Irradiance => volume.sample_irradiance(i, view.part),
-            Quantity::Radiance => volume.sample_radiance(i, world, light, view.part),
-        });
+        scene.sphere_bins.extend(values(i));
     }
-    scene.legend = Some(legend(view.quantity, &scene.sphere_bins));
     scene.notes.push(format!(
         "{} of {} samples shown, {skipped} inside solids left out",
         scene.spheres.len(),
@@ -169,18 +192,22 @@ impl IrradianceVolume {
         light: &impl SurfaceLight,
         part: Part,
     ) -> Vec<Vec3> {
-        let bins = self.bins().len();
-        let Some(transport) = &self.transport else {
-            return vec![Vec3::ZERO; bins];
-        };
-        let met = &transport.met;
-        let seen = met.seen(world, light.radiosity(), &self.settings.ignored);
-        let mut radiance = vec![Vec3::ZERO; bins];
+        self.radiance_seen(sample, self.seen(world, light).as_ref(), part)
+    }
+
+    /// Light as its rays see it; `None` in a volume that came from a file.
+    fn seen<'a>(&'a self, world: &'a World, light: &impl SurfaceLight) -> Option<SeenLight<'a>> {
+        Some(self.transport.as_ref()?.met.seen(world, light.radiosity(), &self.settings.ignored))
+    }
+
+    fn radiance_seen(&self, sample: usize, seen: Option<&SeenLight>, part: Part) -> Vec<Vec3> {
+        let mut radiance = vec![Vec3::ZERO; self.bins().len()];
+        let (Some(transport), Some(seen)) = (&self.transport, seen) else { return radiance };
         if part != Part::Direct {
-            met.reflected(sample, &seen, &mut radiance);
+            transport.met.reflected(sample, seen, &mut radiance);
         }
         if part != Part::Indirect {
-            met.add_emitted(sample, &seen, &mut radiance);
+            transport.met.add_emitted(sample, seen, &mut radiance);
         }
         radiance
     }

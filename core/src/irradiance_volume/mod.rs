@@ -23,6 +23,7 @@
 pub mod bases;
 mod cache;
 pub mod codec;
+pub mod difference;
 pub mod direct;
 pub mod directions;
 pub mod file;
@@ -37,6 +38,7 @@ pub mod quadrature;
 pub mod query;
 pub mod rays;
 pub mod settings;
+pub mod slice;
 pub mod solve;
 
 pub use query::SampleWeights;
@@ -175,7 +177,8 @@ impl SurfaceLight for RadiositySolution {
     }
 
     fn patch(&self, element: u32) -> Option<Patch> {
-        let Element { chart, geometric_normal: normal, flags, .. } = *self.elements().get(element as usize)?;
+        let Element { chart, geometric_normal: normal, flags, .. } =
+            *self.elements().get(element as usize)?;
         let chart = self.transport().map.charts.get(chart as usize).filter(|_| flags & UNSOLVED == 0)?;
         let node = element - chart.first_element;
         let [x, y] = [node % chart.nx, node / chart.nx].map(|i| i as f32);

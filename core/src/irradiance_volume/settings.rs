@@ -76,7 +76,7 @@ impl Default for VolumeSettings {
             second_level: 3,
             bins_n: 17,
             supersample: 1,
-            informed_rays: 0,
+            informed_rays: 256,
             specular_cutoff: 0.02,
             direct_samples: 16,
             seed: 0,

@@ -123,9 +123,7 @@ impl IrradianceVolume {
             })
             .collect();
         let tables = match &self.transport {
-            Some(t) => {
-                t.tables(&t.met.seen(world, light.radiosity(), &self.settings.ignored), &arrivals)
-            }
+            Some(t) => t.tables(&t.met.seen(world, light.radiosity(), &self.settings.ignored), &arrivals),
             None => self.tables.clone(),
         };
         Self { arrivals, tables, ..self.clone() }
@@ -135,7 +133,8 @@ impl IrradianceVolume {
     /// §5.4), from what its rays met: nothing is traced. `None` in a volume that came from a file.
     pub fn ignoring(&self, world: &World, light: &impl SurfaceLight, ignored: Ignored) -> Option<Self> {
         let transport = self.transport.as_ref()?;
-        let tables = transport.tables(&transport.met.seen(world, light.radiosity(), &ignored), &self.arrivals);
+        let tables =
+            transport.tables(&transport.met.seen(world, light.radiosity(), &ignored), &self.arrivals);
         Some(Self { settings: VolumeSettings { ignored, ..self.settings.clone() }, tables, ..self.clone() })
     }
 }

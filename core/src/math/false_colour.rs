@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// The palettes offered; both are perceptually even.
+/// The palettes offered; all but `Turbo` are perceptually even.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Palette {
     /// Dark blue to yellow; the default.
@@ -12,6 +12,8 @@ pub enum Palette {
     Inferno,
     /// Blue over green to red; most hues, for reading values off.
     Turbo,
+    /// Blue over white to red: for signed quantities, white at zero.
+    Diverging,
 }
 
 /// A palette stretched over a range, linear or logarithmic.
@@ -28,6 +30,15 @@ pub struct FalseColour {
 }
 
 impl FalseColour {
+    /// Linear over a range; where the range goes below zero, diverging and as far below as above.
+    pub fn over([low, high]: [f32; 2], palette: Palette) -> Self {
+        if low < 0.0 {
+            let most = high.abs().max(-low);
+            return Self { palette: Palette::Diverging, low: -most, high: most, logarithmic: false };
+        }
+        Self { palette, low, high, logarithmic: false }
+    }
+
     /// Place of `value` along the palette in [0, 1]; NaN gives 0.
     pub fn position(&self, value: f32) -> f32 {
         let t = if self.logarithmic {
@@ -93,12 +104,14 @@ impl Palette {
     pub fn table(self) -> &'static [Vec3; 256] {
         use colorgrad::Gradient;
         use std::sync::OnceLock;
-        static TABLES: [OnceLock<[Vec3; 256]>; 3] = [OnceLock::new(), OnceLock::new(), OnceLock::new()];
+        static TABLES: [OnceLock<[Vec3; 256]>; 4] =
+            [OnceLock::new(), OnceLock::new(), OnceLock::new(), OnceLock::new()];
         TABLES[self as usize].get_or_init(|| {
             let at = |t: f32| match self {
                 Self::Viridis => colorgrad::preset::viridis().at(t),
                 Self::Inferno => colorgrad::preset::inferno().at(t),
                 Self::Turbo => colorgrad::preset::turbo().at(t),
+                Self::Diverging => colorgrad::preset::rd_bu().at(1.0 - t),
             };
             std::array::from_fn(|i| {
                 let c = at(i as f32 / 255.0);

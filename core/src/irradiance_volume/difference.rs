@@ -1,0 +1,151 @@
+//! Two volumes compared: what one has more than the other, in numbers, at samples and on a plane.
+//!
+//! Volumes are compared by what they answer, not by what they store, so grids, bins and where the light
+//! comes from may all differ. The difference of a volume and the same one ignoring a surface is the light
+//! from that surface (Greger 1996, §5.4); that of a volume and one from the reference is its error.
+
+use super::IrradianceVolume;
+use crate::math::{colour::luminance, part::Part};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Two volumes and the part of the light that is compared: A − B.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference<'a> {
+    /// What is subtracted from.
+    pub a: &'a IrradianceVolume,
+    /// What is subtracted.
+    pub b: &'a IrradianceVolume,
+    /// Part of the light.
+    pub part: Part,
+}
+
+/// A − B over the valid samples of A and all its bins, by luminance.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct DifferenceStatistics {
+    /// Mean of A, lx.
+    pub mean_a_lx: f32,
+    /// Mean of B, lx.
+    pub mean_b_lx: f32,
+    /// Mean of A − B, lx.
+    pub mean_lx: f32,
+    /// Mean of |A − B|, lx.
+    pub mean_absolute_lx: f32,
+    /// Root of the mean of (A − B)², lx.
+    pub rms_lx: f32,
+    /// A − B where it is largest in size, lx.
+    pub largest_lx: f32,
+    /// Where that is, m.
+    pub largest_at_m: Vec3,
+    /// The direction a surface there faces.
+    pub largest_towards: Vec3,
+    /// Median of |A − B| over the larger of B and 5 % of its mean.
+    pub median_relative: f32,
+    /// 95th percentile of the same.
+    pub percentile_95_relative: f32,
+}
+
+impl<'a> Difference<'a> {
+    /// A − B.
+    pub fn new(a: &'a IrradianceVolume, b: &'a IrradianceVolume, part: Part) -> Self {
+        Self { a, b, part }
+    }
+
+    /// A − B for a surface at a point that faces the unit vector `normal`, lx per channel.
+    pub fn at(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        self.a.irradiance(position, normal, self.part) - self.b.irradiance(position, normal, self.part)
+    }
+
+    /// A − B at one of A's samples, lx per channel, one value a bin of A: from the tables where B has the
+    /// same samples and bins, else from a query to B.
+    ///
+    /// # Panics
+    /// If A has no such sample.
+    pub fn at_sample(&self, sample: usize) -> Vec<Vec3> {
+        let a = self.a.sample_irradiance(sample, self.part);
+        let b = self.b_at_sample(sample);
+        a.iter().zip(b).map(|(a, b)| *a - b).collect()
+    }
+
+    fn b_at_sample(&self, sample: usize) -> Vec<Vec3> {
+        let position = self.a.samples()[sample].position;
+        let bins = self.a.bins();
+        if self.same_samples() {
+            return self.b.sample_irradiance(sample, self.part);
+        }
+        (0..bins.len()).map(|bin| self.b.irradiance(position, bins.centre(bin), self.part)).collect()
+    }
+
+    /// Whether both have the same samples and bins.
+    pub fn same_samples(&self) -> bool {
+        self.a.bins() == self.b.bins()
+            && self.a.samples().len() == self.b.samples().len()
+            && self.a.grid().bounds() == self.b.grid().bounds()
+            && self.a.grid().second() == self.b.grid().second()
+            && self.a.grid().size() == self.b.grid().size()
+    }
+
+    /// The difference in numbers; zeros where A has no valid sample.
+    pub fn statistics(&self) -> DifferenceStatistics {
+        let bins = self.a.bins();
+        // Sample, bin, A and B by luminance, in the order of samples and bins.
+        let rows: Vec<(u32, u32, f32, f32)> = (0..self.a.samples().len())
+            .into_par_iter()
+            .filter(|&s| self.a.samples()[s].valid)
+            .flat_map_iter(|s| {
+                let a = self.a.sample_irradiance(s, self.part);
+                let b = self.b_at_sample(s);
+                a.into_iter()
+                    .zip(b)
+                    .enumerate()
+                    .map(move |(bin, (a, b))| (s as u32, bin as u32, luminance(a), luminance(b)))
+            })
+            .collect();
+        let count = rows.len().max(1) as f64;
+        let mean = |of: &dyn Fn(f64, f64) -> f64| {
+            rows.iter().map(|r| of(f64::from(r.2), f64::from(r.3))).sum::<f64>() / count
+        };
+        let mean_b = mean(&|_, b| b);
+        let floor = (0.05 * mean_b).max(f64::MIN_POSITIVE) as f32;
+        let mut relative: Vec<f32> = rows.iter().map(|r| (r.2 - r.3).abs() / r.3.max(floor)).collect();
+        relative.sort_unstable_by(f32::total_cmp);
+        let quantile =
+            |share: f64| relative.get((relative.len() as f64 * share) as usize).copied().unwrap_or_default();
+        let worst = rows.iter().fold(None, |worst: Option<&(u32, u32, f32, f32)>, r| match worst {
+            Some(w) if (w.2 - w.3).abs() >= (r.2 - r.3).abs() => Some(w),
+            _ => Some(r),
+        });
+        let (at, towards, largest) = worst.map_or((Vec3::ZERO, Vec3::Y, 0.0), |r| {
+            (self.a.samples()[r.0 as usize].position, bins.centre(r.1 as usize), r.2 - r.3)
+        });
+        DifferenceStatistics {
+            mean_a_lx: mean(&|a, _| a) as f32,
+            mean_b_lx: mean_b as f32,
+            mean_lx: mean(&|a, b| a - b) as f32,
+            mean_absolute_lx: mean(&|a, b| (a - b).abs()) as f32,
+            rms_lx: mean(&|a, b| (a - b).powi(2)).sqrt() as f32,
+            largest_lx: largest,
+            largest_at_m: at,
+            largest_towards: towards,
+            median_relative: quantile(0.5),
+            percentile_95_relative: quantile(0.95),
+        }
+    }
+
+    /// How many values of |A − B| / max(B, 5 % of its mean) lie in each step of `width`, the last one and
+    /// everything beyond: the histogram of an error.
+    pub fn histogram(&self, steps: usize, width: f32) -> Vec<u32> {
+        let mean_b = self.statistics().mean_b_lx;
+        let floor = (0.05 * mean_b).max(f32::MIN_POSITIVE);
+        let mut counts = vec![0; steps.max(1)];
+        for s in (0..self.a.samples().len()).filter(|&s| self.a.samples()[s].valid) {
+            let a = self.a.sample_irradiance(s, self.part);
+            for (a, b) in a.into_iter().zip(self.b_at_sample(s)) {
+                let (a, b) = (luminance(a), luminance(b));
+                let step = ((a - b).abs() / b.max(floor) / width) as usize;
+                counts[step.min(steps.max(1) - 1)] += 1;
+            }
+        }
+        counts
+    }
+}

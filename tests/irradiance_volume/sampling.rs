@@ -1,0 +1,187 @@
+//! Rays of a point: through mirrors, and aimed at what is bright.
+
+use super::*;
+use lumenscope_core::irradiance_volume::rays::{NO_ELEMENT, Patch, Source, Targets, trace_point};
+
+/// A room of 3 × 2.5 × 4 m whose faces named in `mirrors` reflect `reflectance` like mirrors.
+fn mirrored_room(mirrors: &[usize], reflectance: f32, emission: [Vec3; 6]) -> Scene {
+    let mut scene = room(emission);
+    for &face in mirrors {
+        let material = &mut scene.materials[face];
+        (material.metallic, material.roughness) = (1.0, 0.0);
+        material.reflectance = Vec3::splat(reflectance);
+    }
+    scene
+}
+
+/// How often a ray from `p` along `d` crosses the planes x = 3 k before it leaves 0 < y < 2.5, 0 < z < 4,
+/// in the unfolded room, and which of those walls stops it.
+fn unfolded(p: Vec3, d: Vec3) -> u32 {
+    let to = |p: f32, d: f32, size: f32| match d {
+        _ if d > 0.0 => (size - p) / d,
+        _ if d < 0.0 => -p / d,
+        _ => f32::INFINITY,
+    };
+    let t = to(p.y, d.y, 2.5).min(to(p.z, d.z, 4.0));
+    let x = p.x + t * d.x;
+    (x / 3.0).floor().abs() as u32
+}
+
+#[test]
+fn a_chain_between_two_mirrors_is_the_power_of_their_reflectance() {
+    let (reflectance, radiance, cutoff) = (0.8f32, 5.0, 0.3);
+    let scene = mirrored_room(&[0, 1], reflectance, [Vec3::ZERO; 6]);
+    let world = World::new(&scene);
+    let light = PerTriangle(vec![Vec3::splat(PI * radiance); 12]);
+    let settings = VolumeSettings { specular_cutoff: cutoff, ..VolumeSettings::default() };
+    // Off the middle, so that no ray meets an edge exactly.
+    let p = Vec3::new(1.31, 1.17, 1.93);
+    let probe = Probe::with(&world, &light, p, &settings, &Targets::default(), 0);
+    let (mut longest, mut given_up) = (0, 0);
+    for (bin, seen) in probe.radiance.iter().enumerate() {
+        let reflections = unfolded(p, probe.bins.centre(bin));
+        let left = reflectance.powi(reflections as i32);
+        let expected = if left >= cutoff { left * radiance } else { 0.0 };
+        given_up += u32::from(left < cutoff);
+        longest = longest.max(if left >= cutoff { reflections } else { 0 });
+        // Sums of rounding over five reflections.
+        assert!((seen.x - expected).abs() < 1e-4 * radiance, "bin {bin}: {} for {expected}", seen.x);
+    }
+    // 0.8⁵ = 0.33 is followed, 0.8⁶ = 0.26 is not.
+    assert!(longest == 5 && given_up > 0, "{longest} {given_up}");
+}
+
+#[test]
+fn an_emitter_in_a_mirror_is_light_that_has_bounced() {
+    let mut emission = [Vec3::ZERO; 6];
+    emission[1] = Vec3::splat(50.0);
+    let scene = mirrored_room(&[0], 0.5, emission);
+    let world = World::new(&scene);
+    let p = Vec3::new(1.31, 1.17, 1.93);
+    let light = PerTriangle(vec![Vec3::ZERO; 12]);
+    let probe = Probe::with(&world, &light, p, &VolumeSettings::default(), &Targets::default(), 0);
+    let mut seen = 0;
+    for (bin, l) in probe.reflected_radiance.iter().enumerate() {
+        let d = probe.bins.centre(bin);
+        // By way of the wall x = 0 to x = 3, that is −3 in the unfolded room.
+        let in_mirror = d.x < 0.0 && unfolded(p, d) >= 2;
+        seen += u32::from(in_mirror);
+        assert!((l.x - if in_mirror { 25.0 } else { 0.0 }).abs() < 1e-4, "bin {bin}: {}", l.x);
+    }
+    assert!(seen > 20, "{seen}");
+    let volume = build(&scene, &light, &small([3, 3, 3]));
+    assert!(volume.irradiance(p, Vec3::NEG_X, Part::Indirect).x > 1.0);
+}
+
+/// Walls of radiance 1 and one small bright square on the wall x = 0; elements are quads.
+struct Bright {
+    radiosity: Vec<Vec3>,
+    corner: Vec3,
+    edge: f32,
+}
+
+impl Bright {
+    fn new(radiance: f32, edge: f32) -> (Scene, Self) {
+        let mut scene = room([Vec3::ZERO; 6]);
+        let corner = Vec3::new(0.01, 1.4, 2.3);
+        let square =
+            [(0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge)].map(|(y, z)| corner + Vec3::new(0.0, y, z));
+        scene.materials.push(Material::default());
+        scene.meshes.push(Arc::new(Mesh::quad(square)));
+        scene.objects.push(Object {
+            name: "square".into(),
+            parts: vec![ScenePart { mesh: scene.meshes.len() - 1, material: scene.materials.len() - 1 }],
+            world_from_object: Affine3A::IDENTITY,
+            movable: false,
+            dimmer: 1.0,
+        });
+        let mut radiosity = vec![Vec3::splat(PI); 7];
+        radiosity[6] = Vec3::splat(PI * radiance);
+        (scene, Self { radiosity, corner, edge })
+    }
+}
+
+impl SurfaceLight for Bright {
+    fn element_at(&self, triangle: u32, _: Vec2, back: bool) -> u32 {
+        if back { NO_ELEMENT } else { triangle / 2 }
+    }
+
+    fn radiosity(&self) -> &[Vec3] {
+        &self.radiosity
+    }
+
+    fn patch(&self, element: u32) -> Option<Patch> {
+        let edges = [Vec3::Y * self.edge, Vec3::Z * self.edge];
+        let bright = Patch { centre: self.corner + 0.5 * (edges[0] + edges[1]), edges, normal: Vec3::X };
+        // The walls as one far patch each, so that the mean radiosity is theirs.
+        let wall = Patch { edges: [Vec3::Y * 3.0, Vec3::Z * 3.0], ..bright };
+        Some(if element == 6 { bright } else { wall })
+    }
+}
+
+#[test]
+fn aimed_rays_keep_the_mean_and_lower_the_variance() {
+    let (radiance, edge) = (400.0, 0.1);
+    let (scene, light) = Bright::new(radiance, edge);
+    let world = World::new(&scene);
+    let targets = Targets::new(&light);
+    assert_eq!(targets.len(), 1);
+    let p = Vec3::new(1.7, 1.1, 1.6);
+    let towards = (light.corner + 0.5 * edge * Vec3::new(0.0, 1.0, 1.0) - p).normalize();
+    // Radiance 1 everywhere, and what the square is above that; one exact bin holds the normal.
+    let factor =
+        |n: Vec3| -> f64 { (12..14).map(|t| polygon_irradiance(p, n, &world.geometry.positions[t])).sum() };
+    let runs = 48;
+    let of = |informed: u32, supersample: u32| -> (f64, f64) {
+        let values: Vec<f64> = (0..runs)
+            .map(|seed| {
+                let settings = VolumeSettings {
+                    seed,
+                    informed_rays: informed,
+                    supersample,
+                    ..VolumeSettings::default()
+                };
+                let probe = Probe::with(&world, &light, p, &settings, &targets, seed as u32 * 977);
+                f64::from(probe.indirect[probe.bins.bin(towards)].x)
+            })
+            .collect();
+        let mean = values.iter().sum::<f64>() / runs as f64;
+        (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (runs - 1) as f64)
+    };
+    let bin = DirectionBins::new(17);
+    let normal = bin.centre(bin.bin(towards));
+    let exact = f64::from(PI) + f64::from(radiance - 1.0) * factor(normal);
+    let (plain, plain_variance) = of(0, 4);
+    let (aimed, aimed_variance) = of(64, 4);
+    eprintln!("exact {exact}, plain {plain} ± {plain_variance}, aimed {aimed} ± {aimed_variance}");
+    for (mean, variance) in [(plain, plain_variance), (aimed, aimed_variance)] {
+        // Four standard errors of the runs, and 0.5 % for cosines taken at the centres of bins.
+        let tolerance = 4.0 * (variance / runs as f64).sqrt() + 0.005 * exact;
+        assert!((mean - exact).abs() < tolerance, "{mean} for {exact}");
+    }
+    // The square covers 0.003 sr, a seventh of a bin: some 0.6 of its four rays meet it. Of 64 aimed
+    // ones all do; what remains is the walls' share.
+    assert!(aimed_variance < 0.05 * plain_variance, "{aimed_variance} {plain_variance}");
+    // With one ray through the centre of each bin, aimed rays mend what the centre misses.
+    let settings = VolumeSettings { informed_rays: 64, ..VolumeSettings::default() };
+    let probe = Probe::with(&world, &light, p, &settings, &targets, 1);
+    let one = f64::from(probe.indirect[probe.bins.bin(towards)].x);
+    assert!((one / exact - 1.0).abs() < 0.05, "{one} for {exact}");
+}
+
+#[test]
+fn weights_of_rays_are_those_of_the_balance_heuristic() {
+    let (scene, light) = Bright::new(400.0, 0.5);
+    let world = World::new(&scene);
+    let targets = Targets::new(&light);
+    let p = Vec3::new(1.2, 1.1, 1.6);
+    let settings = VolumeSettings { informed_rays: 32, supersample: 2, ..VolumeSettings::default() };
+    let bins = DirectionBins::new(17);
+    let hits = trace_point(&world, &light, bins, &settings, &targets, p, 3);
+    assert!(hits.extras.iter().all(|e| e.source == Source::Element(6)));
+    // Aimed rays count between nothing and a whole ray; what bins give up is negative, at most a ray's half.
+    let (given, taken): (Vec<f32>, Vec<f32>) = hits.extras.iter().map(|e| e.factor.x).partition(|f| *f > 0.0);
+    assert_eq!(given.len(), 32);
+    assert!(given.iter().all(|f| *f < 0.5) && taken.iter().all(|f| (-0.5..0.0).contains(f)));
+    assert_eq!(taken.len(), hits.elements.iter().filter(|e| **e == 6).count());
+}
