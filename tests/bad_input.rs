@@ -10,6 +10,7 @@ use lumenscope_core::{
         world::World,
     },
 };
+use lumenscope_tests::glb;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -78,20 +79,6 @@ fn gltf() -> (Value, Vec<u8>) {
     (json, bytes)
 }
 
-fn glb((json, binary): &(Value, Vec<u8>)) -> Vec<u8> {
-    let mut text = json.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut out = b"glTF".to_vec();
-    let total = 12 + 8 + text.len() + 8 + binary.len();
-    out.extend([2u32, total as u32, text.len() as u32].iter().flat_map(|v| v.to_le_bytes()));
-    out.extend(b"JSON");
-    out.extend(&text);
-    out.extend((binary.len() as u32).to_le_bytes());
-    out.extend(b"BIN\0");
-    out.extend(binary);
-    out
-}
-
 /// Every file of one small scene of each format.
 fn write_all(folder: &Path) {
     write(folder, "t.obj", OBJ);
@@ -99,7 +86,7 @@ fn write_all(folder: &Path) {
     write(folder, "t.png", png());
     write(folder, "t.ron", RON);
     let (mut json, binary) = gltf();
-    write(folder, "t.glb", glb(&(json.clone(), binary.clone())));
+    write(folder, "t.glb", glb(&json, &binary));
     json["buffers"][0]["uri"] = json!("t.bin");
     write(folder, "t.bin", binary);
     write(folder, "t.gltf", json.to_string());
@@ -187,7 +174,8 @@ fn truncated_files_never_panic() {
     }
     // Cut short, a GLB or glTF is never a scene.
     let folder = tempfile::tempdir().unwrap();
-    let whole = glb(&gltf());
+    let (json, binary) = gltf();
+    let whole = glb(&json, &binary);
     for length in (0..whole.len()).step_by(7) {
         assert!(load(&write(folder.path(), "cut.glb", &whole[..length])).is_err(), "{length} bytes");
     }
@@ -233,7 +221,7 @@ fn wrong_numbers_in_gltf_never_panic() {
             let mut spoilt = whole.clone();
             *spoilt.0.pointer_mut(&pointer).unwrap() = number.clone();
             let folder = tempfile::tempdir().unwrap();
-            judge(folder.path(), &load(&write(folder.path(), "t.glb", glb(&spoilt))));
+            judge(folder.path(), &load(&write(folder.path(), "t.glb", glb(&spoilt.0, &spoilt.1))));
         }
     }
 }
@@ -258,7 +246,7 @@ fn missing_keys_in_gltf_never_panic() {
         let mut spoilt = whole.clone();
         spoilt.0.pointer_mut(&parent).unwrap().as_object_mut().unwrap().remove(&key);
         let folder = tempfile::tempdir().unwrap();
-        judge(folder.path(), &load(&write(folder.path(), "t.glb", glb(&spoilt))));
+        judge(folder.path(), &load(&write(folder.path(), "t.glb", glb(&spoilt.0, &spoilt.1))));
     }
 }
 
@@ -416,6 +404,6 @@ fn nodes_in_a_circle_are_an_error() {
     let mut spoilt = gltf();
     spoilt.0["nodes"][2]["children"] = json!([0]);
     let folder = tempfile::tempdir().unwrap();
-    let error = load(&write(folder.path(), "t.glb", glb(&spoilt))).unwrap_err().to_string();
+    let error = load(&write(folder.path(), "t.glb", glb(&spoilt.0, &spoilt.1))).unwrap_err().to_string();
     assert!(error.contains("two parents"), "{error}");
 }

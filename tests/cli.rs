@@ -77,7 +77,11 @@ fn probe_and_volume_leave_files_that_open() {
     let wall = scene("analytic/bright_wall_x.ron");
     run(&["probe", &wall, "--at", "0,0.5,0", "--out", text(&out), "--bins", "1682"]).unwrap();
     let layers = exr::read_layers(&out.join("probe.exr")).unwrap();
-    assert_eq!(layers[0].1.width, 29);
+    // The map has six rows a row of bins, twice as many columns; the bins are two squares of 29.
+    assert_eq!((layers[0].1.width, layers.last().unwrap().1.width), (348, 58));
+    for file in ["radiance.png", "irradiance_lobe.png", "radiance_radial.svg"] {
+        assert!(fs::metadata(out.join(file)).unwrap().len() > 500, "{file}");
+    }
     let report = fs::read_to_string(out.join("probe.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     let lit = |axis: &str| report["irradiance_lx"]["all"][axis].as_f64().unwrap();

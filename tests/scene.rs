@@ -15,6 +15,7 @@ use lumenscope_core::{
         world::World,
     },
 };
+use lumenscope_tests::glb;
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::{
@@ -101,20 +102,6 @@ fn write_quad(folder: &Path, gltf: &Value) -> PathBuf {
     write(folder, "two tones.png", png(&[[255, 255, 255], [128, 128, 128]]));
     write(folder, "quad.bin", quad_bytes());
     write(folder, "quad.gltf", gltf.to_string())
-}
-
-fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
-    let mut text = json.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut out = b"glTF".to_vec();
-    let total = 12 + 8 + text.len() + 8 + binary.len();
-    out.extend([2u32, total as u32, text.len() as u32].iter().flat_map(|v| v.to_le_bytes()));
-    out.extend(b"JSON");
-    out.extend(&text);
-    out.extend((binary.len() as u32).to_le_bytes());
-    out.extend(b"BIN\0");
-    out.extend(binary);
-    out
 }
 
 #[test]

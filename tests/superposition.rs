@@ -1,19 +1,16 @@
 //! Layers, accumulation, display and overlay of the CPU renderer.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::{InspectionScene, Line, SphereGlyph},
-    irradiance_volume::{IrradianceVolume, VolumeSettings},
     math::{
         colour::{luminance, srgb8},
         false_colour::{FalseColour, Palette},
         image::LinearImage,
         part::Part,
-        progress::Progress,
         sphere_map::DirectionBins,
     },
-    radiosity::{RadiositySettings, RadiositySolution},
-    scene::{Scene, Target, camera::Camera, world::World},
+    scene::{Scene, camera::Camera},
     superposition::{
         PassSettings,
         accumulator::Accumulator,
@@ -24,43 +21,19 @@ use lumenscope_core::{
     },
     transport::LightTransportSolution,
 };
-use lumenscope_tests::{add, add_point_lamp, cornell, diffuse, rectangle};
-use std::{f32::consts::FRAC_1_PI, sync::Arc};
+use lumenscope_tests::{add, add_point_lamp, cornell, diffuse, rectangle, with_moved_block};
+use std::f32::consts::FRAC_1_PI;
+
+/// Distance between elements, m.
+const SPACING_M: f32 = 0.25;
 
 fn solved(scene: Scene) -> LightTransportSolution {
-    let world = World::new(&scene);
-    let settings =
-        RadiositySettings { element_spacing_m: Some(0.25), gather_rays: 64, ..RadiositySettings::default() };
-    let radiosity = RadiositySolution::solve(&world, &settings, &Progress::silent()).unwrap();
-    let settings = VolumeSettings { samples: Some([4; 3]), bins_n: 5, ..VolumeSettings::default() };
-    let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent()).unwrap();
-    LightTransportSolution {
-        scene: Arc::new(scene),
-        world: Arc::new(world),
-        radiosity: Arc::new(radiosity),
-        volume: Some(Arc::new(volume)),
-        moved_objects: Vec::new(),
-        provenance: Default::default(),
-    }
+    lumenscope_tests::solved(scene, SPACING_M)
 }
 
 /// The Cornell box with its short block moved and no new transport solved.
 fn moved() -> (LightTransportSolution, u32) {
-    let still = solved(cornell());
-    let mut scene = (*still.scene).clone();
-    let block = scene.objects.iter().position(|o| o.name == "short block").unwrap();
-    let placement =
-        Affine3A::from_translation(Vec3::new(-0.3, 0.4, 0.1)) * scene.objects[block].world_from_object;
-    scene.place(Target::Object(block), placement);
-    let mut world = (*still.world).clone();
-    world.follow(&scene);
-    let solution = LightTransportSolution {
-        scene: Arc::new(scene),
-        world: Arc::new(world),
-        moved_objects: vec![block as u32],
-        ..still
-    };
-    (solution, block as u32)
+    with_moved_block(&solved(cornell()), Vec3::new(-0.3, 0.4, 0.1))
 }
 
 fn floor_and_lamp(position: Vec3, intensity: Vec3) -> Scene {

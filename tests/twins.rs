@@ -5,15 +5,13 @@ use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     gpu::{FrameSettings, GpuContext, GpuRenderer, frame, inspection as gpu_inspection, shaders, tables},
     inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
-    irradiance_volume::{IrradianceVolume, VolumeSettings},
     math::{
         false_colour::{FalseColour, Palette},
         image::LinearImage,
-        progress::Progress,
         sphere_map::DirectionBins,
     },
-    radiosity::{RadiositySettings, RadiositySolution, lookup::SideMap},
-    scene::{Scene, Target, camera::Camera, lamp::LampKind, world::World},
+    radiosity::lookup::SideMap,
+    scene::{Scene, camera::Camera, lamp::LampKind},
     superposition::{
         PassSettings,
         accumulator::Accumulator,
@@ -24,7 +22,7 @@ use lumenscope_core::{
     },
     transport::LightTransportSolution,
 };
-use lumenscope_tests::{add_point_lamp, cornell};
+use lumenscope_tests::{add_point_lamp, cornell, with_moved_block};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [160, 100];
@@ -67,37 +65,12 @@ fn solved(mut scene: Scene) -> LightTransportSolution {
             _ => {}
         }
     }
-    let world = World::new(&scene);
-    let settings =
-        RadiositySettings { element_spacing_m: Some(0.2), gather_rays: 64, ..RadiositySettings::default() };
-    let radiosity = RadiositySolution::solve(&world, &settings, &Progress::silent()).unwrap();
-    let settings = VolumeSettings { samples: Some([4; 3]), bins_n: 5, ..VolumeSettings::default() };
-    let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent()).unwrap();
-    LightTransportSolution {
-        scene: Arc::new(scene),
-        world: Arc::new(world),
-        radiosity: Arc::new(radiosity),
-        volume: Some(Arc::new(volume)),
-        moved_objects: Vec::new(),
-        provenance: Default::default(),
-    }
+    lumenscope_tests::solved(scene, 0.2)
 }
 
-/// The same light with the short block moved and turned.
+/// The same light with the short block moved.
 fn moved(solution: &LightTransportSolution) -> LightTransportSolution {
-    let mut scene = (*solution.scene).clone();
-    let block = scene.objects.iter().position(|o| o.name == "short block").unwrap();
-    let placement =
-        Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.2)) * scene.objects[block].world_from_object;
-    scene.place(Target::Object(block), placement);
-    let mut world = (*solution.world).clone();
-    world.follow(&scene);
-    LightTransportSolution {
-        scene: Arc::new(scene),
-        world: Arc::new(world),
-        moved_objects: vec![block as u32],
-        ..solution.clone()
-    }
+    with_moved_block(solution, Vec3::new(-0.1, 0.3, 0.2)).0
 }
 
 struct Gpu {
@@ -482,4 +455,37 @@ fn structures_have_the_same_layout_on_both_sides() {
         padding_2
     );
     same_layout!(INSPECTION, "InspectionSettings", gpu_inspection::InspectionSettings, bins, encode, padding);
+}
+
+/// A tree of `levels` inner nodes in a chain, each with a leaf beside the next.
+fn chain(levels: u32) -> Vec<tables::Node> {
+    let node = |first, count| tables::Node { first, count, ..bytemuck::Zeroable::zeroed() };
+    let inner = (0..levels).flat_map(|i| [node(2 * i + 1, 0), node(0, 1)]);
+    let mut nodes: Vec<_> = inner.collect();
+    nodes.push(node(0, 1));
+    // Children stand side by side: the inner one is the second of each pair but the last.
+    for i in 1..nodes.len() - 1 {
+        if i % 2 == 1 {
+            nodes.swap(i, i + 1);
+        }
+    }
+    for (i, node) in nodes.iter_mut().enumerate().filter(|(_, n)| n.count == 0) {
+        node.first = i as u32 + 1;
+    }
+    nodes
+}
+
+#[test]
+fn a_tree_too_deep_for_the_shaders_is_refused_with_a_reason() {
+    let source = shaders::SHADE.source();
+    assert!(
+        source.contains(&format!("const STACK: u32 = {}u;", tables::MOST_LEVELS)),
+        "one stack, two sides"
+    );
+    for levels in [0, 1, 5, tables::MOST_LEVELS, tables::MOST_LEVELS + 6] {
+        assert_eq!(tables::levels(&chain(levels), 0), levels);
+    }
+    assert!(tables::check_levels(&chain(tables::MOST_LEVELS), 0).is_ok());
+    let error = tables::check_levels(&chain(tables::MOST_LEVELS + 6), 0).unwrap_err();
+    assert!(error.to_string().contains("70") && error.to_string().contains("64"), "{error}");
 }

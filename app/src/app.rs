@@ -23,7 +23,7 @@ use crate::{
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use std::{
     path::{Path, PathBuf},
-    sync::mpsc,
+    sync::{Arc, mpsc},
     time::Instant,
 };
 
@@ -201,9 +201,10 @@ impl LumenscopeApp {
                     let wanted = view.volume.shown || !view.views.is_empty();
                     self.session.inspection = made.filter(|_| wanted);
                 }
-                News::Probe(probe) => {
+                News::Probe(probe, resolutions) => {
                     if self.session.document.view.probe.is_some() {
                         self.session.probe = Some(probe);
+                        self.session.resolutions = Arc::new(resolutions);
                         if !self.session.document.view.views.is_empty() {
                             self.carry_out(ctx, Effect::Inspect);
                         }

@@ -61,6 +61,8 @@ pub enum Command {
     ExportPicture(PathBuf),
     /// Export the layers as multi-layer EXR.
     ExportLayers(PathBuf),
+    /// Export the open spheres as EXR.
+    ExportProbe(PathBuf),
     /// Start or restart the reference picture.
     StartReference,
     /// Stop the work in progress.
@@ -93,6 +95,8 @@ pub enum Dialog {
     ExportPicture,
     /// Where to write the layers.
     ExportLayers,
+    /// Where to write the spheres.
+    ExportProbe,
 }
 
 /// What can be changed about the window.

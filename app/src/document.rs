@@ -64,6 +64,9 @@ pub struct View {
     pub probe_bins_n: u32,
     /// Part of the light in the sphere inspector.
     pub probe_part: Part,
+    /// Whether the point is shown at every resolution of the thesis.
+    #[serde(default)]
+    pub probe_resolutions: bool,
     /// Ids of the inspection views switched on (see `registry`).
     pub views: Vec<String>,
 }
@@ -127,6 +130,7 @@ impl Default for View {
             probe: None,
             probe_bins_n: 17,
             probe_part: Part::All,
+            probe_resolutions: false,
             views: Vec::new(),
         }
     }

@@ -6,7 +6,7 @@ use crate::{
     placement::Placement,
     session::Reference,
     session_file,
-    widgets::Probe,
+    widgets::{Probe, resolutions::ROWS},
     worker::{InspectRequest, ProbeRequest},
 };
 use anyhow::{Result, bail};
@@ -111,7 +111,8 @@ pub fn can_follow(solved: &Scene, scene: &Scene) -> bool {
         && solved.lamps.len() == scene.lamps.len()
 }
 
-/// Light at one point in the air, for every direction.
+/// Light at one point in the air, for every direction; and, where asked for, at every resolution of
+/// the thesis, coarsest first.
 ///
 /// # Errors
 /// If a setting is out of range or the work was cancelled.
@@ -119,11 +120,18 @@ pub fn probe(
     solution: &LightTransportSolution,
     request: &ProbeRequest,
     progress: &Progress,
-) -> Result<Probe> {
+) -> Result<(Probe, Vec<Probe>)> {
     progress.begin("spheres");
+    let ProbeRequest { position, n, resolutions } = *request;
+    let at = |n| Probe::at(&solution.world, &*solution.radiosity, position, n, SUPERSAMPLE, SEED);
     progress.report(0.0)?;
-    let ProbeRequest { position, n } = *request;
-    Ok(Probe::at(&solution.world, &*solution.radiosity, position, n, SUPERSAMPLE, SEED)?)
+    let probe = at(n)?;
+    let mut others = Vec::new();
+    for rows in ROWS.into_iter().filter(|_| resolutions) {
+        progress.report(others.len() as f32 / ROWS.len() as f32)?;
+        others.push(at(rows)?);
+    }
+    Ok((probe, others))
 }
 
 /// Illuminance where a placement says; with the settings for moving things until the light is settled.

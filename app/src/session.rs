@@ -43,6 +43,8 @@ pub struct Session {
     pub reference: Option<Reference>,
     /// The open spheres.
     pub probe: Option<Arc<Probe>>,
+    /// The same point at every resolution of the thesis, coarsest first; empty unless asked for.
+    pub resolutions: Arc<Vec<Probe>>,
     /// What the scene needs, and why.
     pub plan: Option<Arc<Plan>>,
     /// Illuminance where it is measured.
@@ -93,6 +95,8 @@ pub enum Effect {
     DropReference,
     /// Write the session.
     Save(PathBuf),
+    /// Write the open spheres as EXR.
+    ExportProbe(PathBuf),
     /// Write the picture as PNG.
     ExportPicture(PathBuf),
     /// Write the layers as EXR.
@@ -234,6 +238,7 @@ impl Session {
             Command::AddModel(path) => vec![Effect::Load(path)],
             Command::SaveSession(path) => self.if_open(Effect::Save(path)),
             Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
+            Command::ExportProbe(path) => self.if_open(Effect::ExportProbe(path)),
             Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
             Command::StartReference => {
                 self.reference = None;
@@ -309,7 +314,8 @@ impl Session {
         let old = std::mem::replace(&mut self.document.view, view);
         let view = &self.document.view;
         let mut effects = Vec::new();
-        if view.probe != old.probe || view.probe_bins_n != old.probe_bins_n {
+        let finer = view.probe_resolutions && !old.probe_resolutions;
+        if view.probe != old.probe || view.probe_bins_n != old.probe_bins_n || finer {
             if view.probe.is_none() {
                 self.probe = None;
             }

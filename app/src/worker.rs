@@ -38,8 +38,8 @@ pub enum News {
     Solution(Arc<LightTransportSolution>),
     /// What the scene needs was planned.
     Plan(Arc<Plan>),
-    /// A probe was sampled.
-    Probe(Arc<Probe>),
+    /// A probe was sampled, and the same point at other resolutions where those are shown.
+    Probe(Arc<Probe>, Vec<Probe>),
     /// Illuminance was measured; `None` where there is nothing to measure.
     Measured(Option<Arc<Measurement>>),
     /// What the views show was made.
@@ -61,6 +61,8 @@ pub struct ProbeRequest {
     pub position: Vec3,
     /// Rows of bins a hemisphere.
     pub n: u32,
+    /// Whether every resolution of the thesis is wanted too.
+    pub resolutions: bool,
 }
 
 /// Views whose contents are wanted.

@@ -4,6 +4,7 @@ use crate::{
     inspection::InspectionScene,
     irradiance_volume::{
         inspect::{self as volume, VolumeView},
+        lobe::lobe_scene,
         placement::{self, Measurement, requirement::Requirement},
         probe::{Probe, Quantity},
     },
@@ -40,6 +41,9 @@ pub struct ViewInput<'a> {
 
 /// Radius of an open probe's spheres, as a share of the scene's diagonal.
 const PROBE_RADIUS: f32 = 0.02;
+
+/// Farthest a probe's lobe reaches, as a share of the scene's diagonal.
+const LOBE_REACH: f32 = 0.05;
 
 /// Every view, room by room.
 pub const VIEWS: &[ViewRow] = &[
@@ -87,6 +91,17 @@ pub const VIEWS: &[ViewRow] = &[
         title: "Illuminance where it is measured",
         tooltip: "Illuminance E = ∫ L(ω) max(0, n·ω) dω in lx on the measuring plane or object's top chosen under Placement, with lines of equal illuminance; that of the required mean is red.",
         build: |input| input.placement.map(|(measured, wanted)| placement::inspect::scene(measured, wanted)),
+    },
+    ViewRow {
+        id: "irradiance_volume.lobe",
+        systems: &["G2", "G3"],
+        title: "Probe lobe",
+        tooltip: "The irradiance at the picked point as a solid: in every direction n, its surface is E(n) = ∫ L(ω) max(0, n·ω) dω away from the point, in lx. With the axes: x red, y green, z blue.",
+        build: |input| {
+            let (low, high) = input.solution.world.geometry.bounds();
+            let reach_m = LOBE_REACH * (high - low).length();
+            Some(lobe_scene(input.probe?, Quantity::Irradiance, input.volume.part, reach_m))
+        },
     },
     ViewRow {
         id: "radiosity.elements",

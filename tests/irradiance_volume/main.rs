@@ -6,6 +6,7 @@ mod harmonics;
 mod ignored;
 mod placement;
 mod sampling;
+mod spheres;
 
 use glam::{Affine3A, UVec3, Vec2, Vec3};
 use lumenscope_core::{

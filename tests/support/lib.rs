@@ -1,12 +1,19 @@
 //! Scenes built in code that several test files share.
 
 use glam::{Affine3A, Vec3};
-use lumenscope_core::scene::{
-    MeasuringPlane, Object, Part, Scene,
-    camera::Camera,
-    lamp::{Lamp, LampKind},
-    material::Material,
-    mesh::Mesh,
+use lumenscope_core::{
+    irradiance_volume::{IrradianceVolume, VolumeSettings},
+    math::progress::Progress,
+    radiosity::{RadiositySettings, RadiositySolution},
+    scene::{
+        MeasuringPlane, Object, Part, Scene, Target,
+        camera::Camera,
+        lamp::{Lamp, LampKind},
+        material::Material,
+        mesh::Mesh,
+        world::World,
+    },
+    transport::LightTransportSolution,
 };
 use std::sync::Arc;
 
@@ -124,4 +131,65 @@ pub fn cornell() -> Scene {
         edge_v: x,
     });
     scene
+}
+
+/// The light of a scene, solved coarsely: elements `spacing_m` apart, a volume of 4³ samples of 50 bins.
+///
+/// # Panics
+/// If the scene has no solution.
+pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
+    let world = World::new(&scene);
+    let settings = RadiositySettings {
+        element_spacing_m: Some(spacing_m),
+        gather_rays: 64,
+        ..RadiositySettings::default()
+    };
+    let radiosity =
+        RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("the scene has a solution");
+    let settings = VolumeSettings { samples: Some([4; 3]), bins_n: 5, ..VolumeSettings::default() };
+    let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent())
+        .expect("the scene has a volume");
+    LightTransportSolution {
+        scene: Arc::new(scene),
+        world: Arc::new(world),
+        radiosity: Arc::new(radiosity),
+        volume: Some(Arc::new(volume)),
+        moved_objects: Vec::new(),
+        provenance: Default::default(),
+    }
+}
+
+/// The same light with the short block moved and no new transport solved; and the block's number.
+///
+/// # Panics
+/// If there is no short block.
+pub fn with_moved_block(solution: &LightTransportSolution, by: Vec3) -> (LightTransportSolution, u32) {
+    let mut scene = (*solution.scene).clone();
+    let block = scene.objects.iter().position(|o| o.name == "short block").expect("a short block");
+    let placement = Affine3A::from_translation(by) * scene.objects[block].world_from_object;
+    scene.place(Target::Object(block), placement);
+    let mut world = (*solution.world).clone();
+    world.follow(&scene);
+    let moved = LightTransportSolution {
+        scene: Arc::new(scene),
+        world: Arc::new(world),
+        moved_objects: vec![block as u32],
+        ..solution.clone()
+    };
+    (moved, block as u32)
+}
+
+/// A binary glTF file of its two chunks.
+pub fn glb(json: &serde_json::Value, binary: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut out = b"glTF".to_vec();
+    let total = 12 + 8 + text.len() + 8 + binary.len();
+    out.extend([2u32, total as u32, text.len() as u32].iter().flat_map(|v| v.to_le_bytes()));
+    out.extend(b"JSON");
+    out.extend(&text);
+    out.extend((binary.len() as u32).to_le_bytes());
+    out.extend(b"BIN\0");
+    out.extend(binary);
+    out
 }

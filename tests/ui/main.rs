@@ -1,6 +1,7 @@
 //! The program as its user meets it: the real window, without a screen.
 
 mod edits;
+mod inspector;
 mod placement;
 mod pointer;
 mod window;

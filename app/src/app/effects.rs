@@ -10,7 +10,7 @@ use crate::{
     worker::{ExportRequest, InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use egui::ViewportCommand;
-use lumenscope_core::superposition::composite::DirectQuality;
+use lumenscope_core::{io::probe::write_probe, superposition::composite::DirectQuality};
 use std::{path::PathBuf, sync::mpsc::Sender};
 
 /// Widest reference traced while looking: larger ones take seconds a sample on two cores.
@@ -35,7 +35,11 @@ impl LumenscopeApp {
             Effect::Probe => {
                 let view = &self.session.document.view;
                 if let Some((position, _)) = view.probe {
-                    self.worker.probe(ProbeRequest { position, n: view.probe_bins_n });
+                    self.worker.probe(ProbeRequest {
+                        position,
+                        n: view.probe_bins_n,
+                        resolutions: view.probe_resolutions,
+                    });
                 }
             }
             Effect::Measure => self.worker.measure(self.session.document.edits.placement.clone()),
@@ -47,6 +51,7 @@ impl LumenscopeApp {
             }
             Effect::DropReference => self.worker.reference(None),
             Effect::Save(path) => self.save(path),
+            Effect::ExportProbe(path) => self.export_probe(&path),
             Effect::ExportPicture(path) => self.export(path, true),
             Effect::ExportLayers(path) => self.export(path, false),
             Effect::Cancel => self.worker.cancel(),
@@ -90,6 +95,17 @@ impl LumenscopeApp {
                 self.session.set_saved(path);
             }
             Err(error) => self.fail("Saving failed".into(), format!("{error:#}")),
+        }
+    }
+
+    fn export_probe(&mut self, path: &std::path::Path) {
+        let Some(probe) = &self.session.probe else {
+            self.fail("No spheres are open".into(), "click a point in the scene first".into());
+            return;
+        };
+        match write_probe(path, probe, true) {
+            Ok(()) => self.session.log.info(format!("{} written", path.display())),
+            Err(error) => self.fail("Exporting the spheres failed".into(), error.to_string()),
         }
     }
 
@@ -186,6 +202,10 @@ fn ask_for_file(
             let ask = ask.set_title("Export the layers").set_file_name(format!("{name}.exr"));
             Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
         }
+        Dialog::ExportProbe => {
+            let ask = ask.set_title("Export the spheres").set_file_name(format!("{name}-spheres.exr"));
+            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
+        }
     };
     std::thread::Builder::new().name("file dialog".into()).spawn(move || {
         let Some(file) = pollster::block_on(answer) else { return };
@@ -196,6 +216,7 @@ fn ask_for_file(
             Dialog::SaveSession => Command::SaveSession(path),
             Dialog::ExportPicture => Command::ExportPicture(path),
             Dialog::ExportLayers => Command::ExportLayers(path),
+            Dialog::ExportProbe => Command::ExportProbe(path),
         };
         // Without a receiver the window is gone.
         let _ = sender.send(command);

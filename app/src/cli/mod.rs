@@ -6,6 +6,7 @@ mod irradiance;
 pub mod placement;
 mod placement_map;
 mod probe;
+mod radial_svg;
 mod reference;
 mod render;
 mod replay;

@@ -1,17 +1,23 @@
 //! `probe`: the spheres at one point.
 
-use super::{
-    Common, parse_point,
-    render::{auto_display, write_png},
-    solve,
-};
+use super::{Common, parse_point, radial_svg, render::auto_display, solve};
+use crate::widgets::resolutions::ROWS;
 use anyhow::bail;
-use clap::Args;
-use glam::Vec3;
+use clap::{Args, ValueEnum};
+use glam::{Mat3, Vec3};
 use lumenscope_core::{
-    io::exr,
-    irradiance_volume::probe::Probe,
-    math::{colour::luminance, image::LinearImage, part::Part, sphere_map::DirectionBins},
+    io::{png::write_png, probe::write_probe},
+    irradiance_volume::{
+        lobe,
+        probe::{Probe, Quantity},
+    },
+    math::{
+        colour::{Channel, luminance},
+        image::LinearImage,
+        part::Part,
+        sphere_map::DirectionBins,
+        sphere_values::SphereValues,
+    },
 };
 use std::path::PathBuf;
 
@@ -23,16 +29,54 @@ pub struct Options {
     /// Point, m.
     #[arg(long, value_parser = parse_point)]
     at: Vec3,
-    /// Folder for `probe.exr` (the bins), `radiance.png`, `irradiance.png` and `probe.json`.
+    /// Folder for `probe.exr` (map and bins), `probe.json`, and for radiance and irradiance each the
+    /// ball, the 3-D lobe and the radial plots.
     #[arg(long)]
     out: PathBuf,
     /// Bins over the sphere: 2n² for a whole n, such as 162, 578, 1682, 3362, 4802.
     #[arg(long, default_value_t = 1682)]
     bins: u32,
+    /// Interpolate between bins in pictures, plots and the map.
+    #[arg(long)]
+    smooth: bool,
+    /// What of the light is shown in pictures and plots; files hold all of it.
+    #[arg(long, value_enum, default_value_t = Light::All)]
+    part: Light,
+    /// What of the colours is shown in pictures and plots.
+    #[arg(long, value_enum, default_value_t = Colours::Rgb)]
+    channel: Colours,
+    /// Sample the point at every resolution of the thesis too, and say in `probe.json` how far the
+    /// irradiance of each is from the finest.
+    #[arg(long)]
+    resolutions: bool,
 }
 
-/// Side of the sphere pictures, pixels.
-const SPHERE_PIXELS: u32 = 512;
+/// Part of the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Light {
+    All,
+    Direct,
+    Indirect,
+}
+
+/// What of the colours is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Colours {
+    Rgb,
+    Luminance,
+    Red,
+    Green,
+    Blue,
+}
+
+/// Side of the pictures, pixels.
+const PIXELS: usize = 512;
+
+/// Rays a bin.
+const SUPERSAMPLE: u32 = 4;
+
+/// The lobe is seen from here: right, front and above.
+const LOBE_SIDE: Vec3 = Vec3::new(0.5, 0.45, 0.75);
 
 /// Probes and writes.
 ///
@@ -46,22 +90,59 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
     let loaded = solve::load(&options.scene, common)?;
     let solution = solve::solve(&loaded, false)?;
-    let probe = Probe::at(&solution.world, &*solution.radiosity, options.at, n, 4, common.seed)?;
-    let bins = DirectionBins::new(n);
-    let radiance = sphere(&probe.radiance, bins);
-    let irradiance = sphere(&probe.irradiance(Part::All), bins);
-    write_png(&options.out.join("radiance.png"), &radiance, &auto_display(&radiance))?;
-    write_png(&options.out.join("irradiance.png"), &irradiance, &auto_display(&irradiance))?;
-    let [upper, lower] = unfolded(&probe.radiance, n);
-    let [upper_e, lower_e] = unfolded(&probe.irradiance(Part::All), n);
-    let images = [
-        ("radiance_upper", &upper),
-        ("radiance_lower", &lower),
-        ("irradiance_upper", &upper_e),
-        ("irradiance_lower", &lower_e),
-    ];
-    let note = format!("{} bins at {} m: radiance in cd/m2, irradiance in lx", options.bins, options.at);
-    exr::write_layers(&options.out.join("probe.exr"), &images, &note)?;
+    let at = |n| Probe::at(&solution.world, &*solution.radiosity, options.at, n, SUPERSAMPLE, common.seed);
+    let probe = at(n)?;
+    write_probe(&options.out.join("probe.exr"), &probe, options.smooth)?;
+    for quantity in [Quantity::Radiance, Quantity::Irradiance] {
+        pictures(options, &probe, quantity)?;
+    }
+    let finer: Vec<Probe> =
+        if options.resolutions { ROWS.into_iter().map(at).collect::<Result<_, _>>()? } else { Vec::new() };
+    let report = report(options, &probe, &finer);
+    let text = serde_json::to_string_pretty(&report)?;
+    println!("{text}");
+    solve::write(&options.out.join("probe.json"), &text)
+}
+
+fn pictures(options: &Options, probe: &Probe, quantity: Quantity) -> anyhow::Result<()> {
+    let (part, channel) = (options.part.part(), options.channel.channel());
+    let values = probe.values(quantity, part);
+    let sphere = SphereValues { bins: probe.bins, values: &values };
+    let side = PIXELS as u32;
+    let file = |end: &str| options.out.join(format!("{}{end}", quantity.name()));
+    // Exposed for the bins themselves: each covers as much of the sphere as any other.
+    let shown = LinearImage {
+        width: values.len() as u32,
+        height: 1,
+        pixels: values.iter().map(|v| channel.of(*v)).collect(),
+    };
+    let display = auto_display(&shown);
+    let colour = |v: Vec3| {
+        let [r, g, b, _] = display.pixel(channel.of(v));
+        [r, g, b]
+    };
+    let ball = sphere.ball(Mat3::IDENTITY, PIXELS, options.smooth, colour);
+    write_png(&file(".png"), side, side, &on_black(ball))?;
+    let mesh = lobe::lobe(&sphere, options.smooth, |v| channel.measure(v));
+    let reach = values.iter().map(|v| channel.measure(*v)).fold(0.0f32, f32::max);
+    let picture = lobe::picture(&mesh, looking_from(LOBE_SIDE), PIXELS, reach, colour);
+    write_png(&file("_lobe.png"), side, side, &on_black(picture))?;
+    let svg = radial_svg::draw(&sphere, quantity, channel, options.smooth);
+    solve::write(&file("_radial.svg"), &svg)
+}
+
+fn on_black(pixels: Vec<[u8; 4]>) -> Vec<[u8; 4]> {
+    pixels.into_iter().map(|[r, g, b, _]| [r, g, b, 255]).collect()
+}
+
+/// Right, up and towards the viewer, for a viewer on `side` of what is seen, y up.
+pub fn looking_from(side: Vec3) -> Mat3 {
+    let towards = side.normalize();
+    let right = Vec3::Y.cross(towards).normalize_or(Vec3::X);
+    Mat3::from_cols(right, towards.cross(right), towards)
+}
+
+fn report(options: &Options, probe: &Probe, finer: &[Probe]) -> serde_json::Value {
     let axes = [
         ("+x", Vec3::X),
         ("-x", Vec3::NEG_X),
@@ -70,37 +151,49 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         ("+z", Vec3::Z),
         ("-z", Vec3::NEG_Z),
     ];
+    let bins: DirectionBins = probe.bins;
     let at = |part: Part| {
         let values = probe.irradiance(part);
         axes.iter()
             .map(|(name, d)| ((*name).to_owned(), serde_json::json!(luminance(values[bins.bin(*d)]))))
             .collect::<serde_json::Map<_, _>>()
     };
-    let report = serde_json::json!({
-        "at_m": options.at.to_array(), "bins": options.bins,
+    let mut report = serde_json::json!({
+        "at_m": options.at.to_array(), "bins": options.bins, "bin_sr": bins.solid_angle(),
         "irradiance_lx": { "all": at(Part::All), "direct": at(Part::Direct), "indirect": at(Part::Indirect) },
+        "statistics": probe.statistics(options.part.part()),
     });
-    let text = serde_json::to_string_pretty(&report)?;
-    println!("{text}");
-    solve::write(&options.out.join("probe.json"), &text)
+    if let Some(finest) = finer.last() {
+        let best = finest.irradiance(options.part.part());
+        let best = SphereValues { bins: finest.bins, values: &best };
+        let row = |p: &Probe| {
+            let values = p.irradiance(options.part.part());
+            let off = SphereValues { bins: p.bins, values: &values }.relative_difference(&best);
+            serde_json::json!({ "bins": p.bins.len(), "relative_rms_difference": off })
+        };
+        report["resolutions"] = finer.iter().map(row).collect();
+    }
+    report
 }
 
-/// The sphere seen along −z, each pixel the bin its normal falls in.
-fn sphere(values: &[Vec3], bins: DirectionBins) -> LinearImage {
-    let half = SPHERE_PIXELS as f32 / 2.0;
-    LinearImage::from_fn(SPHERE_PIXELS, SPHERE_PIXELS, |x, y| {
-        let p = Vec3::new((x as f32 + 0.5 - half) / half, (half - y as f32 - 0.5) / half, 0.0) * 1.05;
-        let z2 = 1.0 - p.length_squared();
-        if z2 < 0.0 { Vec3::ZERO } else { values[bins.bin(p.with_z(z2.sqrt()))] }
-    })
+impl Light {
+    fn part(self) -> Part {
+        match self {
+            Self::All => Part::All,
+            Self::Direct => Part::Direct,
+            Self::Indirect => Part::Indirect,
+        }
+    }
 }
 
-/// Both hemispheres as n×n images of the equal-area square.
-fn unfolded(values: &[Vec3], n: u32) -> [LinearImage; 2] {
-    let side = |offset: u32| LinearImage {
-        width: n,
-        height: n,
-        pixels: values[offset as usize..(offset + n * n) as usize].to_vec(),
-    };
-    [side(0), side(n * n)]
+impl Colours {
+    fn channel(self) -> Channel {
+        match self {
+            Self::Rgb => Channel::Rgb,
+            Self::Luminance => Channel::Luminance,
+            Self::Red => Channel::Red,
+            Self::Green => Channel::Green,
+            Self::Blue => Channel::Blue,
+        }
+    }
 }

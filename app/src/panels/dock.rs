@@ -156,7 +156,7 @@ fn layout() -> Tree<Pane> {
     };
     let left = linear(LinearDir::Vertical, &[(scene, 0.5), (layers, 0.5)]);
     let middle = linear(LinearDir::Vertical, &[(viewport, 0.82), (log, 0.18)]);
-    let right = linear(LinearDir::Vertical, &[(spheres, 0.58), (readout, 0.42)]);
+    let right = linear(LinearDir::Vertical, &[(spheres, 0.7), (readout, 0.3)]);
     let root = linear(LinearDir::Horizontal, &[(left, 0.212), (middle, 0.518), (right, 0.27)]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }
@@ -209,7 +209,10 @@ impl Frame<'_, '_> {
             Pane::Scene => scene::show(ui, self.scene, session, &mut self.out),
             Pane::Layers => layers::show(ui, session, &mut self.out),
             Pane::Views => views::show(ui, session, self.shown.inspection, &mut self.out),
-            Pane::Sphere => self.out.extend(sphere_inspector::show(ui, session.probe.as_deref(), view)),
+            Pane::Sphere => {
+                let probe = session.probe.as_deref();
+                self.out.extend(sphere_inspector::show(ui, probe, &session.resolutions, view));
+            }
             Pane::Readout => readout::show(ui, self.pick.as_ref()),
             Pane::Placement => placement::show(ui, session, &mut self.out),
             Pane::Log => log::show(ui, self.log, &session.log),

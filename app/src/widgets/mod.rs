@@ -4,6 +4,7 @@ pub mod legend;
 pub mod number;
 pub mod placement_map;
 pub mod radial_plot;
+pub mod resolutions;
 pub mod sphere_image;
 pub mod sphere_inspector;
 pub mod sphere_numbers;

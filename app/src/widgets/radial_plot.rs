@@ -4,7 +4,7 @@ use super::{number, sphere_image::SphereValues};
 use egui::Color32;
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
 use glam::Vec3;
-use lumenscope_core::math::colour::luminance;
+use lumenscope_core::math::colour::Channel;
 
 /// Directions a curve is drawn through.
 const STEPS: usize = 360;
@@ -42,7 +42,8 @@ impl Plane {
         }
     }
 
-    fn ends(self) -> [&'static str; 4] {
+    /// Names of its axes' ends: right, left, up, down on the page.
+    pub fn ends(self) -> [&'static str; 4] {
         match self {
             Self::Xy => ["+x", "-x", "+y", "-y"],
             Self::Zy => ["+z", "-z", "+y", "-y"],
@@ -51,23 +52,13 @@ impl Plane {
     }
 }
 
-/// Which curves are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Curves {
-    /// One curve: luminance or illuminance.
-    #[default]
-    Luminous,
-    /// Red, green and blue.
-    Channels,
-}
-
 /// How a plot is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Look<'a> {
     /// Width, points.
     pub size: f32,
-    /// Which curves.
-    pub curves: Curves,
+    /// What is drawn: of RGB, the luminous value and each channel.
+    pub channel: Channel,
     /// Interpolate between bins.
     pub smooth: bool,
     /// Unit of the values.
@@ -94,21 +85,12 @@ pub fn curve(
 
 /// Shows one plane's plot.
 pub fn show(ui: &mut egui::Ui, id: &str, sphere: &SphereValues<'_>, plane: Plane, look: Look<'_>) {
-    let Look { size, curves, smooth, unit } = look;
-    let dark = ui.visuals().dark_mode;
+    let Look { size, channel, smooth, unit } = look;
     let mut lines: Vec<(&str, Color32, Vec<[f64; 2]>)> = Vec::new();
-    match curves {
-        Curves::Luminous => {
-            let colour = ui.visuals().hyperlink_color;
-            lines.push(("luminous", colour, curve(sphere, plane, smooth, luminance)));
-        }
-        Curves::Channels => {
-            for (i, (name, colour)) in [("red", 0), ("green", 1), ("blue", 2)].into_iter().enumerate() {
-                let mut rgb = [if dark { 70 } else { 40 }; 3];
-                rgb[colour] = if dark { 235 } else { 190 };
-                let colour = Color32::from_rgb(rgb[0], rgb[1], rgb[2]);
-                lines.push((name, colour, curve(sphere, plane, smooth, |v| v[i])));
-            }
+    for one in Channel::ALL.into_iter().filter(|&c| c != Channel::Rgb) {
+        if channel == Channel::Rgb || channel == one {
+            let points = curve(sphere, plane, smooth, |v| one.measure(v));
+            lines.push((one.name(), channel_colour(ui.visuals(), one), points));
         }
     }
     let reach = lines.iter().flat_map(|(_, _, l)| l).fold(0.0f64, |m, p| m.max(p[0].hypot(p[1])));
@@ -160,6 +142,20 @@ pub fn show(ui: &mut egui::Ui, id: &str, sphere: &SphereValues<'_>, plane: Plane
     });
 }
 
+fn channel_colour(visuals: &egui::Visuals, channel: Channel) -> Color32 {
+    let own = |index: usize| {
+        let mut rgb = [if visuals.dark_mode { 70 } else { 40 }; 3];
+        rgb[index] = if visuals.dark_mode { 235 } else { 190 };
+        Color32::from_rgb(rgb[0], rgb[1], rgb[2])
+    };
+    match channel {
+        Channel::Rgb | Channel::Luminance => visuals.hyperlink_color,
+        Channel::Red => own(0),
+        Channel::Green => own(1),
+        Channel::Blue => own(2),
+    }
+}
+
 fn label_places(plane: Plane, outer: f64) -> [(&'static str, f64, f64); 4] {
     let [right, left, up, down] = plane.ends();
     let at = 1.09 * outer;
@@ -167,7 +163,7 @@ fn label_places(plane: Plane, outer: f64) -> [(&'static str, f64, f64); 4] {
 }
 
 /// Round radii to compare with, and how far the plot reaches.
-fn rings(reach: f64) -> (Vec<f64>, f64) {
+pub fn rings(reach: f64) -> (Vec<f64>, f64) {
     if reach.is_nan() || reach <= 0.0 {
         return (vec![1.0], 1.0);
     }
@@ -195,7 +191,7 @@ fn circle(radius: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lumenscope_core::math::sphere_map::DirectionBins;
+    use lumenscope_core::math::{colour::luminance, sphere_map::DirectionBins};
 
     #[test]
     fn light_from_plus_x_points_right_in_the_planes_that_hold_x() {

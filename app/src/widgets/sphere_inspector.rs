@@ -2,27 +2,34 @@
 
 use super::{
     Probe, legend,
-    radial_plot::{self, Curves, Plane},
-    sphere_image::{ImageSlot, SphereValues, key},
+    radial_plot::{self, Plane},
+    resolutions,
+    sphere_image::{self, ImageSlot, SphereValues, key},
     sphere_numbers::SphereNumbers,
     sphere_pair::{self, Ball, Turn},
     unfolded, value_table,
 };
-use crate::{command::Command, session::View};
+use crate::{
+    command::{Command, Dialog},
+    session::View,
+};
 use egui::Ui;
 use glam::Vec3;
 use lumenscope_core::{
     inspection::Legend,
-    irradiance_volume::probe::Quantity,
+    irradiance_volume::{lobe, probe::Quantity},
     math::{
-        colour::luminance, colour::srgb8, false_colour::FalseColour, part::Part, sphere_map::DirectionBins,
+        colour::{Channel, srgb8},
+        false_colour::FalseColour,
+        part::Part,
+        sphere_map::DirectionBins,
     },
     superposition::composite::{Display, ToneCurve},
 };
 use std::f32::consts::FRAC_1_PI;
 
-/// Rows of bins a hemisphere that the thesis uses.
-const ROWS: [u32; 5] = [9, 17, 29, 41, 49];
+/// Most rows of bins a hemisphere: those of the thesis's finest spheres.
+const MOST_ROWS: u32 = 49;
 
 const RADIANCE: &str =
     "Radiance that arrives at the point from each direction, L(ω), cd/m² (lm per m² and sr)";
@@ -33,7 +40,9 @@ const IRRADIANCE: &str =
 enum Tab {
     #[default]
     Plots,
+    Lobe,
     Unfolded,
+    Resolutions,
     Numbers,
 }
 
@@ -42,16 +51,18 @@ enum Tab {
 struct Memory {
     turn: Turn,
     tab: Tab,
-    curves: Curves,
+    channel: Channel,
     irradiance: bool,
     smooth: bool,
     false_colour: bool,
     balls: [ImageSlot; 2],
     squares: [ImageSlot; 2],
+    lobe: ImageSlot,
+    resolutions: Vec<ImageSlot>,
 }
 
 /// Shows the open spheres; `None` invites to click a point.
-pub fn show(ui: &mut Ui, probe: Option<&Probe>, view: &View) -> Vec<Command> {
+pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &View) -> Vec<Command> {
     let Some(probe) = probe else {
         empty(ui);
         return Vec::new();
@@ -59,28 +70,40 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, view: &View) -> Vec<Command> {
     let id = egui::Id::unique("sphere inspector");
     let mut memory: Memory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     let mut wanted = view.clone();
-    controls(ui, &mut memory, &mut wanted);
+    let mut out = controls(ui, &mut memory, &mut wanted);
     let Some(light) = Light::new(probe, view.probe_part) else {
         ui.label("Waiting for the spheres of this point.");
-        return commands(view, wanted);
+        out.extend(commands(view, wanted));
+        return out;
     };
-    let shades = Shades::new(&light, memory.false_colour);
+    let shades = Shades::new(&light, memory.false_colour, memory.channel);
+    let shown = Opened { light: &light, shades: &shades, view, resolutions };
     ui.separator();
     let room = ui.available_width();
     if room > 620.0 {
         ui.horizontal_top(|ui| {
-            balls(ui, &mut memory, &light, &shades, view, 168.0);
+            balls(ui, &mut memory, &shown, 168.0);
             ui.separator();
-            ui.vertical(|ui| tabs(ui, &mut memory, &light, &shades));
+            ui.vertical(|ui| tabs(ui, &mut memory, &shown));
         });
     } else {
         let size = (0.5 * (room - 12.0)).clamp(90.0, 190.0);
-        balls(ui, &mut memory, &light, &shades, view, size);
+        balls(ui, &mut memory, &shown, size);
         ui.separator();
-        tabs(ui, &mut memory, &light, &shades);
+        tabs(ui, &mut memory, &shown);
     }
+    wanted.probe_resolutions = memory.tab == Tab::Resolutions;
     ui.data_mut(|d| d.insert_temp(id, memory));
-    commands(view, wanted)
+    out.extend(commands(view, wanted));
+    out
+}
+
+/// What is open, and how it is coloured.
+struct Opened<'a> {
+    light: &'a Light,
+    shades: &'a Shades,
+    view: &'a View,
+    resolutions: &'a [Probe],
 }
 
 fn commands(view: &View, wanted: View) -> Vec<Command> {
@@ -100,10 +123,11 @@ fn empty(ui: &mut Ui) {
     });
 }
 
-fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) {
+fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) -> Vec<Command> {
+    let mut out = Vec::new();
     ui.horizontal_wrapped(|ui| {
         if let Some((p, _)) = view.probe {
-            ui.label(egui::RichText::new(format!("({}) m", super::number::point(p))).monospace())
+            ui.label(egui::RichText::new(format!("{} m", super::number::point(p))).monospace().small())
                 .on_hover_text("Where the spheres are");
         }
         for (part, name, meaning) in [
@@ -113,34 +137,64 @@ fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) {
         ] {
             ui.selectable_value(&mut view.probe_part, part, name).on_hover_text(meaning);
         }
-        ui.separator();
-        ui.horizontal(|ui| bins(ui, &mut view.probe_bins_n));
-        ui.separator();
+    });
+    ui.horizontal(|ui| bins(ui, &mut view.probe_bins_n));
+    ui.horizontal_wrapped(|ui| {
+        channels(ui, &mut memory.channel);
         ui.checkbox(&mut memory.smooth, "Smooth")
             .on_hover_text("Interpolate between bins instead of showing each");
         ui.checkbox(&mut memory.false_colour, "False colour")
-            .on_hover_text("Luminance by palette, with a legend");
+            .on_hover_text("Values by palette, with a legend");
+        let export = ui.button("EXR…").on_hover_text(
+            "Export radiance and irradiance, all, direct and indirect, as OpenEXR: an environment map that \
+             any viewer shows, and every bin",
+        );
+        if export.clicked() {
+            out.push(Command::Dialog(Dialog::ExportProbe));
+        }
         if memory.turn != Turn::default()
             && ui.button("Align").on_hover_text("See the spheres from the viewport's side again").clicked()
         {
             memory.turn = Turn::default();
         }
     });
+    out
 }
 
 fn bins(ui: &mut Ui, n: &mut u32) {
-    let mut index = ROWS.iter().position(|r| *r >= *n).unwrap_or(ROWS.len() - 1);
-    let before = index;
-    ui.spacing_mut().slider_width = 70.0;
-    let slider = egui::Slider::new(&mut index, 0..=ROWS.len() - 1).show_value(false);
-    ui.add(slider).on_hover_text("Bins a sphere: 2n², all of one solid angle");
-    if index != before {
-        *n = ROWS[index];
+    let spacing = ui.spacing_mut();
+    (spacing.slider_width, spacing.item_spacing.x, spacing.button_padding.x) = (62.0, 4.0, 4.0);
+    let label = ui.label("n");
+    let slider = egui::Slider::new(n, 1..=MOST_ROWS.max(*n)).update_while_editing(false);
+    ui.add(slider)
+        .labelled_by(label.id)
+        .on_hover_text("Rows and columns of bins a hemisphere: 2n² bins, all of one solid angle, 2π/n² sr");
+    for rows in resolutions::ROWS {
+        ui.selectable_value(n, rows, (2 * rows * rows).to_string())
+            .on_hover_text(format!("n = {rows}: {} bins", 2 * rows * rows));
     }
-    ui.label(format!("n = {n}, {} bins", 2 * *n * *n));
+    if !resolutions::ROWS.contains(n) {
+        ui.weak(format!("{} bins", 2 * *n * *n));
+    }
 }
 
-fn balls(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades, view: &View, size: f32) {
+fn channels(ui: &mut Ui, channel: &mut Channel) {
+    let title = |c: Channel| match c {
+        Channel::Rgb => "RGB",
+        Channel::Luminance => "luminous",
+        Channel::Red => "red",
+        Channel::Green => "green",
+        Channel::Blue => "blue",
+    };
+    egui::ComboBox::from_id_salt("channel").width(84.0).selected_text(title(*channel)).show_ui(ui, |ui| {
+        for one in Channel::ALL {
+            ui.selectable_value(channel, one, title(one));
+        }
+    });
+}
+
+fn balls(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, size: f32) {
+    let Opened { light, shades, view, .. } = *shown;
     ui.vertical(|ui| {
         sphere_pair::show(
             ui,
@@ -151,7 +205,7 @@ fn balls(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades, view:
                 normal: view.probe.map(|p| p.1),
                 size,
                 smooth: memory.smooth,
-                picture_key: light.key ^ key(memory.false_colour),
+                picture_key: light.key ^ key((memory.false_colour, memory.channel)),
             },
             [
                 Ball {
@@ -190,26 +244,32 @@ fn balls(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades, view:
     });
 }
 
-fn tabs(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades) {
+fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
     ui.horizontal_wrapped(|ui| {
-        for (tab, name) in
-            [(Tab::Plots, "Radial plots"), (Tab::Unfolded, "Unfolded"), (Tab::Numbers, "Numbers")]
-        {
-            ui.selectable_value(&mut memory.tab, tab, name);
+        for (tab, name, meaning) in [
+            (
+                Tab::Plots,
+                "Radial plots",
+                "The value in each direction of a plane as the distance from the middle",
+            ),
+            (Tab::Lobe, "3-D lobe", "The radial plot of every direction at once"),
+            (Tab::Unfolded, "Unfolded", "Each hemisphere as the square its bins are a grid on"),
+            (Tab::Resolutions, "Resolutions", "The same point at every resolution of the thesis"),
+            (Tab::Numbers, "Numbers", "Illuminance from six sides, cylindrical, scalar, vector"),
+        ] {
+            ui.selectable_value(&mut memory.tab, tab, name).on_hover_text(meaning);
         }
-        if memory.tab != Tab::Numbers {
+        if !matches!(memory.tab, Tab::Numbers | Tab::Resolutions) {
             ui.separator();
             ui.selectable_value(&mut memory.irradiance, false, "L").on_hover_text(RADIANCE);
             ui.selectable_value(&mut memory.irradiance, true, "E").on_hover_text(IRRADIANCE);
         }
-        if memory.tab == Tab::Plots {
-            ui.separator();
-            ui.selectable_value(&mut memory.curves, Curves::Luminous, "Luminous");
-            ui.selectable_value(&mut memory.curves, Curves::Channels, "R G B");
-        }
     });
+    let Opened { light, shades, view, resolutions: probes } = *shown;
     let (values, unit) =
         if memory.irradiance { (light.irradiance(), "lx") } else { (light.radiance(), "cd/m²") };
+    let colour = |v: Vec3| if memory.irradiance { shades.irradiance(v) } else { shades.radiance(v) };
+    let picture_key = light.key ^ key((memory.irradiance, memory.false_colour, memory.channel));
     match memory.tab {
         Tab::Plots => {
             let gap = ui.spacing().item_spacing.x;
@@ -217,22 +277,77 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, light: &Light, shades: &Shades) {
             ui.horizontal_wrapped(|ui| {
                 for plane in Plane::ALL {
                     let id = format!("radial {plane:?}");
-                    let look = radial_plot::Look { size, curves: memory.curves, smooth: memory.smooth, unit };
+                    let look =
+                        radial_plot::Look { size, channel: memory.channel, smooth: memory.smooth, unit };
                     radial_plot::show(ui, &id, &values, plane, look);
                 }
             });
         }
+        Tab::Lobe => {
+            let view_from = memory.turn.world_from_view(&view.camera);
+            let (channel, smooth) = (memory.channel, memory.smooth);
+            let look = LobeLook { values, channel, smooth, unit, picture_key };
+            lobe_tab(ui, &mut memory.lobe, &mut memory.turn, view_from, look, &colour);
+        }
         Tab::Unfolded => {
             let size = (0.5 * (ui.available_width() - 12.0)).clamp(80.0, 240.0);
-            let picture_key = light.key ^ key((memory.irradiance, memory.false_colour, "square"));
-            let colour: &dyn Fn(Vec3) -> [u8; 3] =
-                if memory.irradiance { &|v| shades.irradiance(v) } else { &|v| shades.radiance(v) };
-            unfolded::show(ui, &mut memory.squares, size, &values, picture_key, colour, unit);
+            unfolded::show(ui, &mut memory.squares, size, &values, picture_key, &colour, unit);
+        }
+        Tab::Resolutions => {
+            let look = resolutions::Look {
+                world_from_view: memory.turn.world_from_view(&view.camera),
+                part: view.probe_part,
+                smooth: memory.smooth,
+                picture_key: key((memory.false_colour, memory.channel)) ^ light.key,
+                colours: [&|v| shades.radiance(v), &|v| shades.irradiance(v)],
+            };
+            resolutions::show(ui, &mut memory.resolutions, probes, &look);
         }
         Tab::Numbers => {
             value_table::show(ui, "sphere numbers", &SphereNumbers::new(&light.irradiance()).rows());
         }
     }
+}
+
+struct LobeLook<'a> {
+    values: SphereValues<'a>,
+    channel: Channel,
+    smooth: bool,
+    unit: &'a str,
+    picture_key: u64,
+}
+
+fn lobe_tab(
+    ui: &mut Ui,
+    slot: &mut ImageSlot,
+    turn: &mut Turn,
+    world_from_view: glam::Mat3,
+    look: LobeLook<'_>,
+    colour: &dyn Fn(Vec3) -> [u8; 3],
+) {
+    let LobeLook { values, channel, smooth, unit, picture_key } = look;
+    let size = ui.available_width().clamp(120.0, 210.0);
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(size, size), egui::Sense::click_and_drag());
+    let response = response.on_hover_and_drag_cursor(egui::CursorIcon::Grab);
+    turn.drag(&response, size);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D radial plot"));
+    let reach = values.values.iter().map(|v| channel.measure(*v)).fold(0.0f32, f32::max);
+    let pixels = (size * ui.pixels_per_point()).clamp(64.0, 640.0) as usize;
+    let seen = world_from_view.to_cols_array().map(f32::to_bits);
+    let texture = slot.texture(ui.ctx(), "lobe", key((picture_key, seen, pixels, smooth)), || {
+        let mesh = lobe::lobe(&values, smooth, |v| channel.measure(v));
+        sphere_image::image(pixels, lobe::picture(&mesh, world_from_view, pixels, reach, colour))
+    });
+    let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+    ui.painter().image(texture, rect, whole, egui::Color32::WHITE);
+    ui.label(
+        egui::RichText::new(format!(
+            "Reaches {}; axes x red, y green, z blue. Drag to turn.",
+            super::number::with_unit(reach, unit)
+        ))
+        .small()
+        .weak(),
+    );
 }
 
 /// One part of a probe's light.
@@ -268,12 +383,14 @@ impl Light {
 /// How values become colours.
 struct Shades {
     display: Display,
+    channel: Channel,
     palettes: Option<[FalseColour; 2]>,
 }
 
 impl Shades {
-    fn new(light: &Light, false_colour: bool) -> Self {
-        let largest = |values: &[Vec3]| values.iter().map(|v| luminance(*v)).fold(0.0f32, f32::max).max(1e-6);
+    fn new(light: &Light, false_colour: bool, channel: Channel) -> Self {
+        let measure = |v: &Vec3| channel.measure(*v);
+        let largest = |values: &[Vec3]| values.iter().map(measure).fold(0.0f32, f32::max).max(1e-6);
         let white = largest(&light.irradiance) * FRAC_1_PI * 1.6;
         let display = Display { ev100: (white / 1.2).log2(), tone: ToneCurve::Filmic, false_colour: None };
         let palette = |high: f32| FalseColour {
@@ -282,31 +399,31 @@ impl Shades {
             high: if high > 0.0 { high } else { 1.0 },
             logarithmic: false,
         };
-        let mut sorted: Vec<f32> = light.radiance.iter().map(|v| luminance(*v)).collect();
+        let mut sorted: Vec<f32> = light.radiance.iter().map(measure).collect();
         sorted.sort_by(f32::total_cmp);
         // The lamps' own radiance is far above everything else: let them run off the end.
         let most = sorted.get(sorted.len() * 97 / 100).copied().unwrap_or(0.0) * 1.25;
         let high = if most > 0.0 { most } else { largest(&light.radiance) };
         let palettes = false_colour.then(|| [palette(high), palette(largest(&light.irradiance))]);
-        Self { display, palettes }
+        Self { display, channel, palettes }
     }
 
     fn radiance(&self, value: Vec3) -> [u8; 3] {
         match &self.palettes {
-            Some([palette, _]) => srgb8(palette.colour(luminance(value))),
+            Some([palette, _]) => srgb8(palette.colour(self.channel.measure(value))),
             None => self.exposed(value),
         }
     }
 
     fn irradiance(&self, value: Vec3) -> [u8; 3] {
         match &self.palettes {
-            Some([_, palette]) => srgb8(palette.colour(luminance(value))),
+            Some([_, palette]) => srgb8(palette.colour(self.channel.measure(value))),
             None => self.exposed(value * FRAC_1_PI),
         }
     }
 
     fn exposed(&self, radiance: Vec3) -> [u8; 3] {
-        let [r, g, b, _] = self.display.pixel(radiance);
+        let [r, g, b, _] = self.display.pixel(self.channel.of(radiance));
         [r, g, b]
     }
 }

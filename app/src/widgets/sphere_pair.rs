@@ -27,6 +27,17 @@ pub struct Ball<'a> {
 pub struct Turn(pub Vec2);
 
 impl Turn {
+    /// Follows a drag over something `size` points wide; a double click turns back.
+    pub fn drag(&mut self, response: &egui::Response, size: f32) {
+        if response.dragged() {
+            self.0 += Vec2::new(response.drag_delta().x, response.drag_delta().y) * (2.4 / size);
+            self.0.y = self.0.y.clamp(-3.0, 3.0);
+        }
+        if response.double_clicked() {
+            *self = Self::default();
+        }
+    }
+
     /// Right, up and towards-the-viewer of the balls, in world space.
     pub fn world_from_view(self, camera: &Camera) -> Mat3 {
         let [right, up, forward] = crate::viewport::navigation::axes(camera);
@@ -69,13 +80,7 @@ pub fn show(
                 ui.label(egui::RichText::new(ball.title).strong()).on_hover_text(ball.meaning);
                 let (rect, response) = ui.allocate_exact_size(vec2(size, size), Sense::click_and_drag());
                 let response = response.on_hover_and_drag_cursor(CursorIcon::Grab);
-                if response.dragged() {
-                    turn.0 += Vec2::new(response.drag_delta().x, response.drag_delta().y) * (2.4 / size);
-                    turn.0.y = turn.0.y.clamp(-3.0, 3.0);
-                }
-                if response.double_clicked() {
-                    *turn = Turn::default();
-                }
+                turn.drag(&response, size);
                 let pixels = (size * ui.pixels_per_point()).clamp(64.0, 400.0) as usize;
                 let slot_key = key((picture_key, view_key, pixels, smooth, i));
                 let texture = slot.texture(ui.ctx(), "sphere", slot_key, || {

@@ -234,8 +234,8 @@ impl Bench {
         let sampled = self.job("Sampling the spheres", Rank::Probe, |_, progress| {
             pipeline::probe(&solution, request, progress)
         });
-        if let Some(probe) = sampled {
-            self.tell(News::Probe(Arc::new(probe)));
+        if let Some((probe, resolutions)) = sampled {
+            self.tell(News::Probe(Arc::new(probe), resolutions));
         }
     }
 

@@ -29,6 +29,17 @@ pub enum GpuError {
         /// What is needed.
         needed: u64,
     },
+    /// A tree of the scene has more levels than a ray's stack in the shaders holds.
+    #[error(
+        "a tree over the scene's triangles is {levels} levels deep, the shaders follow {most}; \
+         triangles of very different sizes in one object make such trees"
+    )]
+    TooDeep {
+        /// Levels of inner nodes.
+        levels: u32,
+        /// Levels the shaders follow.
+        most: u32,
+    },
     /// A picture could not be read back.
     #[error("reading back from the graphics device failed: {0}")]
     Readback(String),

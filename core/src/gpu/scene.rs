@@ -91,7 +91,8 @@ impl SceneTables {
     /// Takes over a solution; says whether buffers were made anew.
     ///
     /// # Errors
-    /// [`GpuError::TooSmall`] where a table does not fit the device; then nothing is shown.
+    /// [`GpuError::TooSmall`] where a table does not fit the device, [`GpuError::TooDeep`] where the shaders
+    /// cannot follow a tree; then nothing is shown.
     pub(super) fn upload(
         &mut self,
         device: &wgpu::Device,
@@ -124,6 +125,9 @@ impl SceneTables {
                 write.table(Table::Textures, &infos)?;
                 write.table(Table::Texels, &texels)?;
                 let (nodes, triangles) = tables::tree_nodes(&world.accel);
+                for tree in tables::trees(&world.accel).iter().filter(|t| t.node_count > 0) {
+                    tables::check_levels(&nodes, tree.root)?;
+                }
                 write.table(Table::Nodes, &nodes)?;
                 write.table(Table::TreeTriangles, &triangles)?;
             }

@@ -1,5 +1,6 @@
 //! The scene as flat tables: the Rust sides of the structures in `shaders/shared/`.
 
+use super::device::GpuError;
 use crate::{
     math::image::LinearImage,
     scene::{
@@ -287,6 +288,32 @@ pub fn tree_nodes(accel: &Accel) -> (Vec<Node>, Vec<TreeTriangle>) {
         triangles.extend(tree.triangles().map(|[a, b, c]| TreeTriangle { a, b, c, ..Default::default() }));
     }
     (nodes, triangles)
+}
+
+/// Levels of inner nodes that a ray's stack in `shaders/shared/rays.wgsl` holds, its `STACK`.
+pub const MOST_LEVELS: u32 = 64;
+
+/// Inner nodes on the longest way from a root to a leaf; the stack holds one sibling for each.
+pub fn levels(nodes: &[Node], root: u32) -> u32 {
+    let (mut deepest, mut open) = (0, vec![(root, 0)]);
+    while let Some((at, depth)) = open.pop() {
+        let Some(node) = nodes.get(at as usize) else { continue };
+        if node.count > 0 {
+            deepest = deepest.max(depth);
+        } else {
+            open.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
+        }
+    }
+    deepest
+}
+
+/// Whether the shaders can follow a tree.
+///
+/// # Errors
+/// [`GpuError::TooDeep`]: a ray would lose its way in it and miss what it should hit.
+pub fn check_levels(nodes: &[Node], root: u32) -> Result<(), GpuError> {
+    let levels = levels(nodes, root);
+    if levels > MOST_LEVELS { Err(GpuError::TooDeep { levels, most: MOST_LEVELS }) } else { Ok(()) }
 }
 
 /// Placements of all trees, in the order of [`tree_nodes`].

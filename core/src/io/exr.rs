@@ -10,8 +10,8 @@ use exr::{
     image::{AnyChannel, AnyChannels, Encoding, FlatImage, FlatSamples, Image, Layer as ExrPart},
     meta::{
         MetaData,
-        attribute::{AttributeValue, Text},
-        header::LayerAttributes,
+        attribute::{AttributeValue, EnvironmentMap, Text},
+        header::{ImageAttributes, LayerAttributes},
     },
     prelude::{ReadChannels, ReadLayers, WritableImage, read},
 };
@@ -29,49 +29,87 @@ const ORDER: &str = "lumenscopeLayers";
 /// No lossless EXR compression gains more than this; a header that promises more is corrupt.
 const LARGEST_COMPRESSION: u64 = 2000;
 
+/// A part of a file: layers of one size with what there is to say about them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Part<'a> {
+    /// Its name; may be empty where there is only one.
+    pub name: &'a str,
+    /// Layers by name.
+    pub layers: &'a [(&'a str, &'a LinearImage)],
+    /// What it is, in a sentence, for its comments.
+    pub note: &'a str,
+    /// Other attributes by name.
+    pub attributes: &'a [(&'a str, String)],
+    /// Whether it is a latitude–longitude map, by OpenEXR's convention.
+    pub is_environment: bool,
+}
+
 /// Writes layers of one size into one file, with a note in its comments.
 ///
 /// # Errors
 /// [`IoError::Write`] naming the file and the cause: no layers, empty ones, different sizes, a name
 /// twice, or a place that cannot be written.
 pub fn write_layers(path: &Path, layers: &[(&str, &LinearImage)], note: &str) -> Result<(), IoError> {
-    let fail = |cause: String| Err(IoError::write(path, cause));
-    let Some((_, first)) = layers.first() else { return fail("no layers".into()) };
-    let mut channels = exr::prelude::SmallVec::new();
-    for (i, (name, image)) in layers.iter().enumerate() {
-        if (image.width, image.height) != (first.width, first.height) || image.pixels.is_empty() {
-            return fail(format!(
-                "layer \"{name}\" has {}x{} pixels, the first one {}x{}",
-                image.width, image.height, first.width, first.height
-            ));
-        }
-        if layers[..i].iter().any(|(other, _)| other == name) {
-            return fail(format!("two layers are called \"{name}\""));
-        }
-        for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
-            let channel = if name.is_empty() { letter.to_owned() } else { format!("{name}.{letter}") };
-            let Some(text) = Text::new_or_none(&channel) else {
-                return fail(format!("\"{channel}\" cannot name a channel"));
-            };
-            let samples = FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect());
-            channels.push(AnyChannel::new(text, samples));
-        }
-    }
-    let mut attributes = LayerAttributes { comments: Text::new_or_none(note), ..LayerAttributes::default() };
-    attributes.software_name = Text::new_or_none("lumenscope");
-    let order = layers.iter().map(|(name, _)| *name).collect::<Vec<_>>().join("\n");
-    if let Some(order) = Text::new_or_none(order) {
-        attributes.other.insert(ORDER.into(), AttributeValue::Text(order));
-    }
-    let size = (first.width as usize, first.height as usize);
-    let part = ExrPart::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    write_parts(path, &[Part { layers, note, ..Part::default() }])
+}
+
+/// Writes parts into one file; programs that know no parts show the first.
+///
+/// # Errors
+/// Those of [`write_layers`], for any part.
+pub fn write_parts(path: &Path, parts: &[Part<'_>]) -> Result<(), IoError> {
+    let made: Result<Vec<_>, _> = parts.iter().map(encoded).collect();
+    let made = made.map_err(|cause| IoError::write(path, cause))?;
+    let Some(first) = made.first() else { return Err(IoError::write(path, "no parts")) };
+    let attributes = ImageAttributes::with_size(first.size);
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(part)
+    let parts: exr::prelude::SmallVec<[_; 2]> = made.into();
+    Image::from_layers(attributes, parts)
         .write()
         .non_parallel()
         .to_buffered(&mut bytes)
         .map_err(|cause| IoError::write(path, cause))?;
     write_file(path, bytes.get_ref())
+}
+
+fn encoded(part: &Part<'_>) -> Result<ExrPart<AnyChannels<FlatSamples>>, String> {
+    let Some((_, first)) = part.layers.first() else { return Err("no layers".into()) };
+    let mut channels = exr::prelude::SmallVec::new();
+    for (i, (name, image)) in part.layers.iter().enumerate() {
+        if (image.width, image.height) != (first.width, first.height) || image.pixels.is_empty() {
+            return Err(format!(
+                "layer \"{name}\" has {}x{} pixels, the first one {}x{}",
+                image.width, image.height, first.width, first.height
+            ));
+        }
+        if part.layers[..i].iter().any(|(other, _)| other == name) {
+            return Err(format!("two layers are called \"{name}\""));
+        }
+        for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let channel = if name.is_empty() { letter.to_owned() } else { format!("{name}.{letter}") };
+            let Some(text) = Text::new_or_none(&channel) else {
+                return Err(format!("\"{channel}\" cannot name a channel"));
+            };
+            let samples = FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect());
+            channels.push(AnyChannel::new(text, samples));
+        }
+    }
+    let mut attributes =
+        LayerAttributes { comments: Text::new_or_none(part.note), ..LayerAttributes::default() };
+    if !part.name.is_empty() {
+        attributes.layer_name = Text::new_or_none(part.name);
+    }
+    attributes.software_name = Text::new_or_none("lumenscope");
+    attributes.environment_map = part.is_environment.then_some(EnvironmentMap::LatitudeLongitude);
+    let order = part.layers.iter().map(|(name, _)| *name).collect::<Vec<_>>().join("\n");
+    let own = part.attributes.iter().map(|(name, text)| (*name, text.clone()));
+    for (name, text) in own.chain([(ORDER, order)]) {
+        if let (Some(name), Some(text)) = (Text::new_or_none(name), Text::new_or_none(text)) {
+            attributes.other.insert(name, AttributeValue::Text(text));
+        }
+    }
+    let size = (first.width as usize, first.height as usize);
+    Ok(ExrPart::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels)))
 }
 
 /// Reads every RGB layer of a file, in the order they were written or else by name; a layer without
@@ -128,7 +166,9 @@ fn decode(bytes: &[u8]) -> Result<Vec<(String, LinearImage)>, String> {
             Some(AttributeValue::Text(text)) => text.to_string().split('\n').map(str::to_owned).collect(),
             _ => Vec::new(),
         };
-        let rank = |name: &str| order.iter().position(|o| o == name).unwrap_or(order.len());
+        // Plain channels of a part with a name are the layer of that name.
+        let written = |name: &str| if name == own { String::new() } else { name.to_owned() };
+        let rank = |name: &str| order.iter().position(|o| *o == written(name)).unwrap_or(order.len());
         let mut named: Vec<_> = found.into_iter().collect();
         named.sort_by_key(|(name, _)| rank(name));
         for (name, channels) in named {

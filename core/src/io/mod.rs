@@ -2,6 +2,7 @@
 
 pub mod exr;
 pub mod png;
+pub mod probe;
 
 use std::path::{Path, PathBuf};
 

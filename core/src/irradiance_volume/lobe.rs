@@ -97,11 +97,16 @@ pub fn lobe_scene(probe: &Probe, quantity: Quantity, part: Part, reach_m: f32) -
     let unit = quantity.unit();
     InspectionScene {
         lines: axes
-            .map(|(axis, colour)| Line { ends: [probe.position, probe.position + axis * 1.15 * reach_m], colour })
+            .map(|(axis, colour)| Line {
+                ends: [probe.position, probe.position + axis * 1.15 * reach_m],
+                colour,
+            })
             .collect(),
         meshes: vec![mesh],
         legend: Some(Legend { quantity: quantity.name().into(), unit: unit.into(), range: [0.0, largest] }),
-        notes: vec![format!("the lobe's farthest point is {largest:.4} {unit}, {reach_m:.2} m from the probe")],
+        notes: vec![format!(
+            "the lobe's farthest point is {largest:.4} {unit}, {reach_m:.2} m from the probe"
+        )],
         ..InspectionScene::default()
     }
 }
@@ -116,7 +121,8 @@ pub fn picture(
     reach: f32,
     colour: impl Fn(Vec3) -> [u8; 3],
 ) -> Vec<[u8; 4]> {
-    let mut canvas = Canvas { size, depth: vec![f32::NEG_INFINITY; size * size], pixels: vec![[0; 4]; size * size] };
+    let mut canvas =
+        Canvas { size, depth: vec![f32::NEG_INFINITY; size * size], pixels: vec![[0; 4]; size * size] };
     let view_from_world = world_from_view.transpose();
     let half = 0.5 * size as f32;
     let scale = if reach > 0.0 { half / (1.2 * reach) } else { 0.0 };
@@ -168,7 +174,9 @@ impl Canvas {
         for y in low.y as usize..=high.y as usize {
             for x in low.x as usize..=high.x as usize {
                 let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                let weight = |from: Vec3, to: Vec3| (to.truncate() - from.truncate()).perp_dot(p - from.truncate()) / area;
+                let weight = |from: Vec3, to: Vec3| {
+                    (to.truncate() - from.truncate()).perp_dot(p - from.truncate()) / area
+                };
                 let (wa, wb) = (weight(b, c), weight(c, a));
                 let wc = 1.0 - wa - wb;
                 if wa.min(wb).min(wc) >= -1e-4 {

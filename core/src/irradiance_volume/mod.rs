@@ -31,6 +31,7 @@ pub mod grid;
 pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
+pub mod lobe;
 pub mod overlap;
 pub mod placement;
 pub mod probe;

@@ -13,6 +13,53 @@ pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(LUMINANCE_WEIGHTS)
 }
 
+/// What of an RGB value is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Channel {
+    /// All three, as a colour.
+    #[default]
+    Rgb,
+    /// Y = 0.2126 R + 0.7152 G + 0.0722 B.
+    Luminance,
+    /// Red alone.
+    Red,
+    /// Green alone.
+    Green,
+    /// Blue alone.
+    Blue,
+}
+
+impl Channel {
+    /// Every choice.
+    pub const ALL: [Self; 5] = [Self::Rgb, Self::Luminance, Self::Red, Self::Green, Self::Blue];
+
+    /// Name on screen and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rgb => "rgb",
+            Self::Luminance => "luminance",
+            Self::Red => "red",
+            Self::Green => "green",
+            Self::Blue => "blue",
+        }
+    }
+
+    /// One number for a value; luminance stands for all three.
+    pub fn measure(self, rgb: Vec3) -> f32 {
+        match self {
+            Self::Rgb | Self::Luminance => luminance(rgb),
+            Self::Red => rgb.x,
+            Self::Green => rgb.y,
+            Self::Blue => rgb.z,
+        }
+    }
+
+    /// A value with nothing else in it: grey, but for [`Self::Rgb`].
+    pub fn of(self, rgb: Vec3) -> Vec3 {
+        if self == Self::Rgb { rgb } else { Vec3::splat(self.measure(rgb)) }
+    }
+}
+
 /// sRGB opto-electronic transfer function of one channel in [0, 1] (IEC 61966-2-1).
 pub fn srgb_from_linear(linear: f32) -> f32 {
     let v = linear.clamp(0.0, 1.0);

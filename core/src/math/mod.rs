@@ -8,4 +8,5 @@ pub mod part;
 pub mod progress;
 pub mod random;
 pub mod sphere_map;
+pub mod sphere_values;
 pub mod spherical_harmonics;

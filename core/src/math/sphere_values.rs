@@ -4,7 +4,7 @@
 //! centre. It is continuous everywhere, across the equator too, and differs from the bins by what the
 //! light changes within one: a bin as bright as a lamp becomes a tent.
 
-use super::{image::LinearImage, sphere_map::DirectionBins};
+use super::{colour::luminance, image::LinearImage, sphere_map::DirectionBins};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -45,6 +45,19 @@ impl SphereValues<'_> {
     /// Value by bin or smooth.
     pub fn value(&self, direction: Vec3, smooth: bool) -> Vec3 {
         if smooth { self.smooth(direction) } else { self.nearest(direction) }
+    }
+
+    /// How far the smooth values are from those of `other`: the root mean square of the difference of
+    /// luminance over the centres of `other`'s bins, as a share of its mean; 0 where that is dark.
+    pub fn relative_difference(&self, other: &SphereValues<'_>) -> f32 {
+        let (mut square, mut sum) = (0.0f64, 0.0f64);
+        for (bin, value) in other.values.iter().enumerate() {
+            let (own, wanted) = (luminance(self.smooth(other.bins.centre(bin))), luminance(*value));
+            square += f64::from(own - wanted).powi(2);
+            sum += f64::from(wanted);
+        }
+        let count = other.values.len().max(1) as f64;
+        if sum > 0.0 { ((square / count).sqrt() / (sum / count)) as f32 } else { 0.0 }
     }
 
     /// The ball as it is seen from outside, orthographic: the colour at a point of it is the value in
