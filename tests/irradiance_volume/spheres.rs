@@ -4,7 +4,10 @@ use super::*;
 use lumenscope_core::{
     io::{exr::read_layers, probe as file},
     irradiance_volume::lobe,
-    math::{colour::Channel, sphere_values::SphereValues},
+    math::{
+        colour::{Channel, luminance},
+        sphere_values::SphereValues,
+    },
 };
 
 /// Rows of bins of the thesis's spheres.
