@@ -124,6 +124,32 @@ fn placement_writes_numbers_a_table_and_a_map_and_warns() {
 }
 
 #[test]
+fn a_wall_streams_by_and_a_moving_object_is_counted() {
+    let (_keep, out) = folder();
+    let furnace = scene("analytic/furnace_box_0_5.ron");
+    let place = ["--corner", "-0.4,0.1,-0.3", "--edge-u", "0.8,0,0", "--edge-v", "0,0.8,0"];
+    let small = ["--polygons", "2000", "--size", "48x32", "--shadow-rays", "0", "--out", text(&out)];
+    run(&[&["wall", &furnace][..], &place, &small].concat()).unwrap();
+    let report = fs::read_to_string(out.join("wall.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["polygons"].as_u64().unwrap() >= 2000 && report["pixels"].as_u64().unwrap() > 0);
+    assert_eq!(image::open(out.join("wall.png")).unwrap().width(), 48);
+    let table = out.join("cost.csv");
+    let short = ["--frames", "2", "--size", "32x20", "--out", text(&table)];
+    run(&[&["cost", &furnace][..], &short].concat()).unwrap();
+    let table = fs::read_to_string(&table).unwrap();
+    let polygons = |line: &str| line.split(',').nth(1).and_then(|v| v.parse::<f32>().ok());
+    let found: Vec<f32> = table.lines().skip(1).filter_map(polygons).collect();
+    assert_eq!(found.len(), 5);
+    for (found, wanted) in found.iter().zip([1162.0, 1921.0, 3145.0, 4639.0, 6598.0]) {
+        // A ball has whole numbers of rows and columns.
+        assert!((found / wanted - 1.0).abs() < 0.06, "{found} polygons of {wanted}");
+    }
+    let error = run(&[&["wall", &furnace, "--edge-u", "0,1,0", "--edge-v", "0,2,0"][..], &small].concat());
+    assert!(error.unwrap_err().contains("no area"));
+}
+
+#[test]
 fn a_picture_equals_itself_and_resembles_the_reference() {
     let (_keep, out) = folder();
     let point = scene("analytic/point_over_floor.ron");

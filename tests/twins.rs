@@ -5,6 +5,7 @@ use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     gpu::{FrameSettings, GpuContext, GpuRenderer, frame, inspection as gpu_inspection, shaders, tables},
     inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
+    irradiance_volume::dynamic_object::DynamicObject,
     math::{
         false_colour::{FalseColour, Palette},
         image::LinearImage,
@@ -70,7 +71,11 @@ fn solved(mut scene: Scene) -> LightTransportSolution {
 
 /// The same light with the short block moved.
 fn moved(solution: &LightTransportSolution) -> LightTransportSolution {
-    with_moved_block(solution, Vec3::new(-0.1, 0.3, 0.2)).0
+    let (moved, block) = with_moved_block(solution, Vec3::new(-0.1, 0.3, 0.2));
+    // Lattices on its sides, so that more than corners is compared.
+    let mut known = DynamicObject::new(&moved.scene, &moved.world.geometry, block as usize, Some(0.17));
+    known.occlude(&moved.world, block as usize, 1);
+    LightTransportSolution { dynamic_objects: Arc::new([(block, known)].into()), ..moved }
 }
 
 struct Gpu {

@@ -12,6 +12,7 @@ pub mod office;
 pub mod pictures;
 pub mod random;
 pub mod shapes;
+pub mod wall;
 
 use std::path::PathBuf;
 

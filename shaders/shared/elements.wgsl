@@ -20,7 +20,7 @@ struct StoredLight {
 
 @group(0) @binding(11) var<storage, read> sides: array<SideMap>;
 @group(0) @binding(12) var<storage, read> element_light: array<ElementLight>;
-// Twelve a triangle: direct, then indirect; of each the front, then the back; of each three corners.
+// A record a triangle (first entry, steps), then four an entry: front direct, indirect, back direct, indirect.
 @group(0) @binding(13) var<storage, read> moved_light: array<vec4f>;
 
 fn add_element(sum: ptr<function, StoredLight>, element: u32, weight: f32) {
@@ -68,19 +68,43 @@ fn stored_on_elements(surface: Surface) -> StoredLight {
     return sum;
 }
 
-fn moved_corners(first: u32, barycentric: vec2f) -> vec3f {
-    return moved_light[first].xyz * (1.0 - barycentric.x - barycentric.y)
-        + moved_light[first + 1u].xyz * barycentric.x
-        + moved_light[first + 2u].xyz * barycentric.y;
+fn lattice_entry(steps: u32, i: u32, j: u32) -> u32 {
+    return j * (steps + 1u) - (j * j - j) / 2u + i;
 }
 
-// Irradiance from the elements, or from the volume's values at the corners of a moved object.
+fn add_entry(sum: ptr<function, StoredLight>, first: u32, entry: u32, weight: f32) {
+    (*sum).direct += moved_light[first + 4u * entry].xyz * weight;
+    (*sum).indirect += moved_light[first + 4u * entry + 1u].xyz * weight;
+}
+
+// Twin of `dynamic_object::lattice_blend` and `MovedLight::irradiance`.
+fn stored_on_moved(record: vec4f, surface: Surface) -> StoredLight {
+    let first = u32(record.x) + select(0u, 2u, surface.back);
+    let steps = u32(record.y);
+    let p = clamp(surface.barycentric, vec2f(0.0), vec2f(1.0)) * f32(steps);
+    let i = min(u32(p.x), steps - 1u);
+    let j = min(u32(p.y), steps - 1u - i);
+    let f = p - vec2f(f32(i), f32(j));
+    let right = lattice_entry(steps, i + 1u, j);
+    let up = lattice_entry(steps, i, j + 1u);
+    var sum = StoredLight(vec3f(0.0), vec3f(0.0));
+    if f.x + f.y <= 1.0 || i + j + 2u > steps {
+        add_entry(&sum, first, lattice_entry(steps, i, j), 1.0 - f.x - f.y);
+        add_entry(&sum, first, right, f.x);
+        add_entry(&sum, first, up, f.y);
+    } else {
+        add_entry(&sum, first, lattice_entry(steps, i + 1u, j + 1u), f.x + f.y - 1.0);
+        add_entry(&sum, first, up, 1.0 - f.x);
+        add_entry(&sum, first, right, 1.0 - f.y);
+    }
+    return sum;
+}
+
+// Irradiance from the elements, or from the volume's values at the nodes of a moved object.
 fn stored_light(surface: Surface) -> StoredLight {
     let object = objects[triangles[surface.triangle].object];
     if object.moved_first == NONE {
         return stored_on_elements(surface);
     }
-    let entry = object.moved_first + surface.triangle - object.first_triangle;
-    let first = 12u * entry + select(0u, 3u, surface.back);
-    return StoredLight(moved_corners(first, surface.barycentric), moved_corners(first + 6u, surface.barycentric));
+    return stored_on_moved(moved_light[object.moved_first + surface.triangle - object.first_triangle], surface);
 }

@@ -4,9 +4,11 @@
 mod accuracy;
 mod harmonics;
 mod ignored;
+mod moving;
 mod placement;
 mod sampling;
 mod spheres;
+mod wall;
 
 use glam::{Affine3A, UVec3, Vec2, Vec3};
 use lumenscope_core::{

@@ -155,6 +155,8 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
         radiosity: Arc::new(radiosity),
         volume: Some(Arc::new(volume)),
         moved_objects: Vec::new(),
+        dynamic_objects: Default::default(),
+        detail: Default::default(),
         provenance: Default::default(),
     }
 }

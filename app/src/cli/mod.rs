@@ -1,6 +1,7 @@
 //! The command line: one binary, one subcommand a job, one clear line when something is wrong.
 
 mod compare;
+mod cost;
 mod headless;
 mod irradiance;
 pub mod placement;
@@ -17,6 +18,7 @@ mod table;
 mod tour;
 mod volume;
 mod volume_options;
+mod wall;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
@@ -71,6 +73,12 @@ enum Job {
         after_help = "Example: lumenscope placement scenes/office/office.ron --plane Desk --task \"Writing, reading, screens\" --out out"
     )]
     Placement(placement::Options),
+    /// A cinder-block wall of 612,000 polygons streamed by and lit from the volume.
+    #[command(after_help = "Example: lumenscope wall scenes/office/office.ron --out out")]
+    Wall(wall::Options),
+    /// What an object lit from the volume costs a frame while it moves.
+    #[command(after_help = "Example: lumenscope cost scenes/office/office.ron --model bunny.obj")]
+    Cost(cost::Options),
     /// Path-traced picture with the variance of every pixel.
     #[command(
         after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256"
@@ -114,6 +122,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Probe(options)) => probe::run(&options, common),
         Some(Job::Volume(options)) => volume::run(&options, common),
         Some(Job::Placement(options)) => placement::run(&options, common),
+        Some(Job::Wall(options)) => wall::run(&options, common),
+        Some(Job::Cost(options)) => cost::run(&options, common),
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),

@@ -6,6 +6,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     inspection::Label,
+    irradiance_volume::dynamic_object::Detail,
     scene::{
         Scene, Target,
         lamp::{Lamp, LampKind},
@@ -228,6 +229,13 @@ pub fn status(
         (0, _) => text += " · picture refining",
         (done, all) if done < all => text += &format!(" · picture {done} of {all} frames"),
         (done, _) => text += &format!(" · {done} frames"),
+    }
+    if let Some(solution) = solution.filter(|s| !s.moved_objects.is_empty()) {
+        text += match solution.detail {
+            Detail::Coarse => " · moved: lit coarsely",
+            Detail::Vertices => " · moved: lit at vertices",
+            Detail::Fine => " · moved: lit finely",
+        };
     }
     if status.seconds > 0.0 {
         text += &format!(" · {} ms a frame", number::short((status.seconds * 1e3) as f32));

@@ -185,9 +185,17 @@ pub fn first_sphere(inspection: &InspectionScene, ray: &Ray) -> Option<(usize, f
 fn stored(solution: &LightTransportSolution, surface: &Surface, part: Part) -> Vec3 {
     let object = solution.world.geometry.object[surface.triangle as usize];
     if solution.moved_objects.contains(&object) {
-        return match &solution.volume {
-            Some(volume) => volume.irradiance(surface.position, surface.normal, part),
-            None => Vec3::ZERO,
+        let Some(volume) = &solution.volume else { return Vec3::ZERO };
+        let first = solution.world.geometry.object_triangles[object as usize].start;
+        let open = solution
+            .dynamic_objects
+            .get(&object)
+            .map_or(1.0, |known| known.open_at(surface.triangle - first, surface.barycentric, surface.back));
+        let of = |part| volume.irradiance(surface.position, surface.normal, part);
+        return match part {
+            Part::Direct => of(Part::Direct),
+            Part::Indirect => of(Part::Indirect) * open,
+            Part::All => of(Part::Direct) + of(Part::Indirect) * open,
         };
     }
     solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)

@@ -48,7 +48,7 @@ pub struct TriangleInfo {
 pub struct ObjectInfo {
     /// Factor on emission.
     pub dimmer: f32,
-    /// Entry of its first triangle in the moved light, or [`NONE`].
+    /// Record of its first triangle in the moved light, or [`NONE`].
     pub moved_first: u32,
     /// First triangle.
     pub first_triangle: u32,
@@ -238,9 +238,15 @@ pub fn objects(geometry: &Geometry, moved: &MovedLight) -> Vec<ObjectInfo> {
         .collect()
 }
 
-/// Light of the moved objects, twelve values a triangle.
+/// Light of the moved objects: a record a triangle (place of its first entry, steps of its lattice), then
+/// four values an entry: front direct and indirect, back direct and indirect.
 pub fn moved_light(moved: &MovedLight) -> Vec<Vec4> {
-    moved.corners.iter().flatten().flatten().flatten().map(|e| e.extend(0.0)).collect()
+    let records = moved.lattices.len() as u32;
+    // Whole numbers as floats, exact below 2²⁴: bits of an integer may be flushed as a denormal.
+    let record =
+        |&(first, steps): &(u32, u32)| Vec4::new((records + 4 * first) as f32, steps as f32, 0.0, 0.0);
+    let entries = moved.entries.iter().flatten().flatten().map(|e| e.extend(0.0));
+    moved.lattices.iter().map(record).chain(entries).collect()
 }
 
 /// Textures and all their texels, four halves each.

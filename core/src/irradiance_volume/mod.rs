@@ -26,6 +26,7 @@ pub mod codec;
 pub mod difference;
 pub mod direct;
 pub mod directions;
+pub mod dynamic_object;
 pub mod file;
 pub mod grid;
 pub mod harmonics;

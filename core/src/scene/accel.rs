@@ -210,6 +210,16 @@ impl Accel {
             })
     }
 
+    /// Whether a movable object alone stands in the way of the ray; `false` for a degenerate ray.
+    ///
+    /// # Panics
+    /// If the object is not movable.
+    pub fn occluded_by(&self, object: u32, ray: &Ray) -> bool {
+        let found = self.movable.iter().find(|m| m.object == object);
+        assert!(found.is_some(), "object {object} is not movable");
+        !ray.is_degenerate() && found.is_some_and(|m| m.tree.occluded(&m.local(ray)))
+    }
+
     /// Bytes held by the trees.
     pub fn bytes(&self) -> usize {
         let tree = |t: &Tree| {

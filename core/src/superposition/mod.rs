@@ -13,5 +13,6 @@ pub mod moved;
 pub mod overlay;
 pub mod pass;
 pub mod plan;
+pub mod streamed;
 
 pub use pass::{PassSettings, render};

@@ -1,49 +1,74 @@
-//! Light on objects that were moved since the transport was solved: from the irradiance volume, at
-//! each corner, interpolated over the triangles.
+//! Light on objects that were moved since the transport was solved: from the irradiance volume, at the
+//! nodes of their triangles, interpolated between them.
 //!
-//! As in Greger et al., *The Irradiance Volume*, 1998: a query a vertex, not a query a pixel, so that
-//! the GPU interpolates and needs no volume. Its limit: a large triangle shows no detail inside.
+//! A table of nodes and not a query a pixel: the GPU interpolates in it and needs no volume, and both
+//! renderers show the same. The nodes and levels of detail are
+//! [`dynamic_object`](crate::irradiance_volume::dynamic_object)'s.
 
-use crate::{math::part::Part, transport::LightTransportSolution};
+use crate::{
+    irradiance_volume::dynamic_object::{DynamicObject, lattice_blend, lattice_len},
+    math::part::Part,
+    transport::LightTransportSolution,
+};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Irradiance at the corners of the moved objects' triangles, lx per channel.
+/// Irradiance on the moved objects' triangles, lx per channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MovedLight {
-    /// First entry of each moved object in `corners`, by object: entry of its first triangle.
+    /// Record of each moved object's first triangle in `lattices`.
     pub first: HashMap<u32, u32>,
-    /// For each triangle: direct, then indirect light; of each the front, then the back side.
-    pub corners: Vec<[[[Vec3; 3]; 2]; 2]>,
+    /// For each triangle: the first entry of its lattice, and its steps an edge.
+    pub lattices: Vec<(u32, u32)>,
+    /// For each entry of a lattice: the front, then the back; of each direct, then indirect light.
+    pub entries: Vec<[[Vec3; 2]; 2]>,
+    /// Queries made, all parts and sides.
+    pub queries: usize,
 }
 
 impl MovedLight {
-    /// Queries the volume; `direct` says whether the direct part is wanted too. Without a volume all is black.
+    /// Queries the volume as finely as the solution says; `direct` says whether the direct part is wanted
+    /// too. Without a volume all is black.
     pub fn new(solution: &LightTransportSolution, direct: bool) -> Self {
-        use rayon::prelude::*;
-        let geometry = &solution.world.geometry;
         let mut light = Self::default();
         for &object in &solution.moved_objects {
-            light.first.insert(object, light.corners.len() as u32);
-            let range = geometry.object_triangles[object as usize].clone();
-            light.corners.par_extend(range.into_par_iter().map(|t| {
-                let sides = |part: Part| {
-                    let lit = |side: f32| -> [Vec3; 3] {
-                        std::array::from_fn(|i| {
-                            let position = geometry.positions[t as usize][i];
-                            let normal = geometry.normals[t as usize][i] * side;
-                            solution
-                                .volume
-                                .as_ref()
-                                .map_or(Vec3::ZERO, |v| v.irradiance(position, normal, part))
-                        })
-                    };
-                    [lit(1.0), if geometry.material_of(t).double_sided { lit(-1.0) } else { [Vec3::ZERO; 3] }]
-                };
-                [if direct { sides(Part::Direct) } else { [[Vec3::ZERO; 3]; 2] }, sides(Part::Indirect)]
-            }));
+            light.first.insert(object, light.lattices.len() as u32);
+            match solution.dynamic_objects.get(&object) {
+                Some(known) => light.add(solution, object as usize, known, direct),
+                None => {
+                    let (scene, geometry) = (&solution.scene, &solution.world.geometry);
+                    let plain = DynamicObject::new(scene, geometry, object as usize, None);
+                    light.add(solution, object as usize, &plain, direct);
+                }
+            }
         }
         light
+    }
+
+    fn add(&mut self, solution: &LightTransportSolution, object: usize, known: &DynamicObject, direct: bool) {
+        let geometry = &solution.world.geometry;
+        let triangles = geometry.object_triangles[object].clone();
+        let two_sided = triangles.clone().any(|t| geometry.material_of(t).double_sided);
+        let mut ask = |part: Part, side: f32, wanted: bool| -> Vec<Vec3> {
+            match &solution.volume {
+                Some(volume) if wanted => {
+                    self.queries += known.queries(solution.detail);
+                    known.irradiance(volume, geometry, object, part, side, solution.detail)
+                }
+                _ => vec![Vec3::ZERO; known.places.len()],
+            }
+        };
+        let sides = [(1.0, true), (-1.0, two_sided)]
+            .map(|(side, lit)| [ask(Part::Direct, side, lit && direct), ask(Part::Indirect, side, lit)]);
+        for (triangle, &(first, steps)) in triangles.zip(&known.lattices) {
+            let back_lit = geometry.material_of(triangle).double_sided;
+            self.lattices.push((self.entries.len() as u32, steps));
+            let nodes = &known.nodes[first as usize..][..lattice_len(steps) as usize];
+            self.entries.extend(nodes.iter().map(|&node| {
+                let of = |side: usize| [sides[side][0][node as usize], sides[side][1][node as usize]];
+                [of(0), if back_lit { of(1) } else { [Vec3::ZERO; 2] }]
+            }));
+        }
     }
 
     /// Irradiance on a moved object's triangle, lx per channel; `None` where the object did not move.
@@ -60,11 +85,13 @@ impl MovedLight {
         }
         let geometry = &solution.world.geometry;
         let object = geometry.object[triangle as usize];
-        let first = *self.first.get(&object)?;
-        let entry = first + triangle - geometry.object_triangles[object as usize].start;
+        let record = *self.first.get(&object)? + triangle - geometry.object_triangles[object as usize].start;
+        let (first, steps) = self.lattices[record as usize];
+        let (entries, weights) = lattice_blend(steps, barycentric);
         let of = |part: usize| {
-            let [a, b, c] = self.corners[entry as usize][part][usize::from(back)];
-            a * (1.0 - barycentric.x - barycentric.y) + b * barycentric.x + c * barycentric.y
+            (0..3).fold(Vec3::ZERO, |sum, i| {
+                sum + self.entries[(first + entries[i]) as usize][usize::from(back)][part] * weights[i]
+            })
         };
         Some(match part {
             Part::Direct => of(0),

@@ -14,12 +14,15 @@ use super::{
     solution::{Provenance, State},
 };
 use crate::{
-    irradiance_volume::{IrradianceVolume, VolumeError, VolumeSettings},
+    irradiance_volume::{
+        IrradianceVolume, VolumeError, VolumeSettings,
+        dynamic_object::{Detail, DynamicObject},
+    },
     math::progress::{Cancelled, Progress},
     radiosity::{RadiosityError, RadiositySettings, RadiositySolution},
     scene::{Scene, Target, world::World},
 };
-use std::{sync::Arc, time::Instant};
+use std::{collections::BTreeMap, sync::Arc, time::Instant};
 
 /// What to solve, and how well.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +66,10 @@ const MOVING_SHADOW_RAYS: u32 = 2;
 /// Sweeps of the interreflection while something moves; each starts from the last solution.
 const MOVING_SWEEPS: u32 = 3;
 
+/// Queries of the volume for one part of the light on all moved objects while something moves: some
+/// milliseconds on one thread.
+const MOVING_QUERIES: usize = 12_000;
+
 /// Rays an element of the solution that is shown first.
 const PREVIEW_RAYS: u32 = 32;
 /// Elements across the diagonal of the scene in the solution that is shown first.
@@ -78,6 +85,27 @@ fn coarse_radiosity(world: &World, settings: &RadiositySettings) -> RadiositySet
         element_spacing_m: Some(settings.element_spacing_m.unwrap_or(0.0).max(spacing)),
         ..*settings
     }
+}
+
+/// Nodes and self-occlusion of everything that may be moved; lattices are half as wide as the volume's
+/// finest cells.
+fn dynamic_objects(
+    solution: &LightTransportSolution,
+    progress: &Progress,
+) -> Result<BTreeMap<u32, DynamicObject>, Cancelled> {
+    let (world, mut made) = (&solution.world, BTreeMap::new());
+    let Some(volume) = &solution.volume else { return Ok(made) };
+    let spacing = 0.5 * volume.grid().cell_size().min_element() / volume.grid().inner() as f32;
+    let count = world.geometry.movable.len();
+    for object in 0..count {
+        progress.report(object as f32 / count as f32)?;
+        if world.geometry.movable[object] && !world.geometry.object_triangles[object].is_empty() {
+            let mut known = DynamicObject::new(&solution.scene, &world.geometry, object, Some(spacing));
+            known.occlude(world, object, solution.provenance.seed);
+            made.insert(object as u32, known);
+        }
+    }
+    Ok(made)
 }
 
 /// The latest solution, and how to bring it up to date.
@@ -121,6 +149,8 @@ impl LiveTransport {
             radiosity: Arc::default(),
             volume: None,
             moved_objects: Vec::new(),
+            dynamic_objects: Arc::default(),
+            detail: Detail::Fine,
             provenance,
         };
         if settings.preview {
@@ -145,6 +175,10 @@ impl LiveTransport {
                 progress,
             )?));
             stage("irradiance volume", start, &mut current.provenance);
+            progress.begin("dynamic objects");
+            let start = Instant::now();
+            current.dynamic_objects = Arc::new(dynamic_objects(&current, progress)?);
+            stage("dynamic objects", start, &mut current.provenance);
         }
         current.provenance.state = State::Settled;
         show(&current);
@@ -175,6 +209,7 @@ impl LiveTransport {
         }
         self.unsettled |= !changed.is_empty();
         self.current.moved_objects = self.moved_objects();
+        self.current.detail = self.moving_detail();
         let settled = !self.unsettled && self.current.moved_objects.is_empty();
         self.finish("follow", start, if settled { State::Settled } else { State::Refining });
         &self.current
@@ -194,6 +229,7 @@ impl LiveTransport {
             }
             let RadiositySettings { shadow_rays, max_sweeps, .. } = self.settings.radiosity;
             self.relight(&targets, &targets, shadow_rays, max_sweeps);
+            self.current.detail = Detail::Fine;
             let state = if self.current.moved_objects.is_empty() { State::Settled } else { State::Refining };
             self.finish("relight", start, state);
             return Ok(Some(&self.current));
@@ -241,6 +277,13 @@ impl LiveTransport {
             .filter(|(_, (now, then))| now.world_from_object != then.world_from_object)
             .map(|(i, _)| i as u32)
             .collect()
+    }
+
+    /// The finest level at which all moved objects together stay within the budget.
+    fn moving_detail(&self) -> Detail {
+        let moved = &self.current.moved_objects;
+        let known = moved.iter().filter_map(|o| self.current.dynamic_objects.get(o));
+        known.map(|d| d.within(MOVING_QUERIES / moved.len())).min().unwrap_or(Detail::Fine)
     }
 
     fn finish(&mut self, stage: &str, start: Instant, state: State) {

@@ -1,11 +1,14 @@
 //! The solution: one scene's light, with where it came from.
 
 use crate::{
-    irradiance_volume::IrradianceVolume,
+    irradiance_volume::{
+        IrradianceVolume,
+        dynamic_object::{Detail, DynamicObject},
+    },
     radiosity::RadiositySolution,
     scene::{Scene, world::World},
 };
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 /// One scene's light: immutable, cheap to clone, safe to show while the next one is computed.
 #[derive(Clone)]
@@ -20,6 +23,10 @@ pub struct LightTransportSolution {
     pub volume: Option<Arc<IrradianceVolume>>,
     /// Objects away from where they were when the transport was solved: lit from the volume.
     pub moved_objects: Vec<u32>,
+    /// What movable objects need to be lit from the volume; one that is missing is lit at its vertices.
+    pub dynamic_objects: Arc<BTreeMap<u32, DynamicObject>>,
+    /// How finely the moved objects ask the volume.
+    pub detail: Detail,
     /// What it was made with.
     pub provenance: Provenance,
 }
