@@ -210,6 +210,10 @@ impl LumenscopeApp {
                         }
                     }
                 }
+                News::TracedVolume(volume) => {
+                    self.session.keep(volume, "reference");
+                    self.carry_out(ctx, Effect::Inspect);
+                }
                 News::Reference(reference) => self.session.reference = Some(reference),
                 News::Written(path) => self.session.log.info(format!("{} written", path.display())),
                 News::Cancelled(what) => self.session.log.warn(format!("{what}: cancelled")),

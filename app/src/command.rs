@@ -65,6 +65,12 @@ pub enum Command {
     ExportProbe(PathBuf),
     /// Start or restart the reference picture.
     StartReference,
+    /// Keep the volume as it is now, to compare later ones with.
+    KeepVolume,
+    /// Forget a volume that was kept, by its number.
+    ForgetVolume(usize),
+    /// Path-trace a volume with the same samples, and keep it.
+    TraceVolume,
     /// Stop the work in progress.
     Cancel,
     /// Go on with the light where it was stopped.

@@ -8,7 +8,10 @@ use lumenscope_core::{
     superposition::composite::{DirectQuality, Display},
 };
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+};
 
 /// Everything a session file holds. Edits are undone and redone; the view is not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -83,6 +86,16 @@ pub enum Compare {
     Difference,
 }
 
+/// What the volume is compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Against {
+    /// Itself without the light of some surfaces and lamps.
+    #[default]
+    Ignoring,
+    /// A volume that was kept, by its number.
+    Kept(usize),
+}
+
 /// The volume shown as spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VolumeView {
@@ -100,6 +113,12 @@ pub struct VolumeView {
     pub radiance: bool,
     /// Only the samples of one slice: axis 0, 1, 2 and height in [0, 1].
     pub slice: Option<(u8, f32)>,
+    /// Surfaces and lamps whose light the volume it is compared with leaves out.
+    #[serde(default)]
+    pub ignored: BTreeSet<Target>,
+    /// What it is compared with.
+    #[serde(default)]
+    pub against: Against,
 }
 
 impl Default for VolumeView {
@@ -112,6 +131,8 @@ impl Default for VolumeView {
             part: Part::All,
             radiance: false,
             slice: None,
+            ignored: BTreeSet::new(),
+            against: Against::Ignoring,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::{
     document::Document,
     examples,
     placement::Placement,
-    session::Reference,
+    session::{Against, Reference},
     session_file,
     widgets::{Probe, resolutions::ROWS},
     worker::{InspectRequest, ProbeRequest},
@@ -13,6 +13,8 @@ use anyhow::{Result, bail};
 use lumenscope_core::{
     inspection::{InspectionScene, SphereGlyph},
     irradiance_volume::{
+        IrradianceVolume,
+        ignored::Ignored,
         inspect as volume_inspect,
         placement::{self, MeasureSettings, Measurement},
         probe::Quantity,
@@ -164,16 +166,49 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
             (axis, low[a] + share.clamp(0.0, 1.0) * (high[a] - low[a]))
         }),
     };
+    let against = compared(request);
     let input = ViewInput {
         solution: &request.solution,
         probe: request.probe.as_deref(),
         volume: &volume,
+        against: against.as_deref(),
         placement: request.measurement.as_deref().map(|m| (m, &request.requirement)),
     };
     let spheres = shown.shown.then_some(SPHERES);
     let ids = spheres.into_iter().chain(request.views.iter().map(String::as_str).filter(|v| *v != SPHERES));
     ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
 }
+
+/// The volume that the present one is compared with; `None` where no view compares or nothing is chosen.
+fn compared(request: &InspectRequest) -> Option<Arc<IrradianceVolume>> {
+    if !request.views.iter().any(|v| DIFFERENCES.contains(&v.as_str())) {
+        return None;
+    }
+    match request.volume.against {
+        Against::Kept(number) => Some(Arc::clone(&request.kept.get(number)?.volume)),
+        Against::Ignoring => {
+            let solution = &request.solution;
+            let ignored = Ignored::of(request.volume.ignored.iter().copied());
+            let volume = solution.volume.as_ref()?;
+            Some(Arc::new(volume.ignoring(&solution.world, &*solution.radiosity, ignored)?))
+        }
+    }
+}
+
+/// Paths a bin of a path-traced volume: a standard error of some per cent in a room lit indirectly.
+const VOLUME_PATHS: u32 = 16;
+
+/// The volume of a solution as the path tracer has it.
+///
+/// # Errors
+/// If there is no volume, or the work was cancelled.
+pub fn trace_volume(solution: &LightTransportSolution, progress: &Progress) -> Result<IrradianceVolume> {
+    let Some(volume) = &solution.volume else { bail!("there is no volume to trace yet") };
+    Ok(volume.of_reference(&solution.world, VOLUME_PATHS, progress)?)
+}
+
+/// The views that compare two volumes.
+pub const DIFFERENCES: [&str; 2] = ["irradiance_volume.difference", "irradiance_volume.difference_slice"];
 
 /// The view that the volume's own switch shows.
 pub const SPHERES: &str = "irradiance_volume.spheres";

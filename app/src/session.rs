@@ -4,7 +4,7 @@
 //! returns [`Effect`]s for the rest, so that a test can throw commands at it. Not a store of callbacks:
 //! data goes down to the panels, commands come up.
 
-pub use crate::document::{Compare, Document, Edits, View, VolumeView};
+pub use crate::document::{Against, Compare, Document, Edits, View, VolumeView};
 
 use crate::{
     command::{Command, Dialog, Window},
@@ -16,7 +16,7 @@ use crate::{
 };
 use lumenscope_core::{
     inspection::InspectionScene,
-    irradiance_volume::placement::Measurement,
+    irradiance_volume::{IrradianceVolume, placement::Measurement},
     math::image::LinearImage,
     scene::{Scene, Target},
     superposition::plan::Plan,
@@ -49,6 +49,8 @@ pub struct Session {
     pub plan: Option<Arc<Plan>>,
     /// Illuminance where it is measured.
     pub measurement: Option<Arc<Measurement>>,
+    /// Volumes kept to be compared with; they last until another scene is opened.
+    pub kept: Vec<Kept>,
     /// What the views switched on put into the scene.
     pub inspection: Option<Arc<InspectionScene>>,
     /// What happened.
@@ -56,6 +58,15 @@ pub struct Session {
     /// The scene for each list of added models that undo and redo can come back to.
     bases: Vec<(Vec<PathBuf>, Arc<Scene>)>,
     saved: Edits,
+}
+
+/// A volume kept to be compared with.
+#[derive(Clone)]
+pub struct Kept {
+    /// What it is, as the panel lists it.
+    pub name: String,
+    /// The volume.
+    pub volume: Arc<IrradianceVolume>,
 }
 
 /// The reference picture so far.
@@ -93,6 +104,8 @@ pub enum Effect {
     Reference,
     /// Forget the reference.
     DropReference,
+    /// Path-trace the volume, to keep it.
+    ReferenceVolume,
     /// Write the session.
     Save(PathBuf),
     /// Write the open spheres as EXR.
@@ -169,6 +182,7 @@ impl Session {
         self.plan = None;
         self.measurement = None;
         self.inspection = None;
+        self.kept.clear();
     }
 
     /// Takes the open scene with models added, as one step of the history.
@@ -244,11 +258,40 @@ impl Session {
                 self.reference = None;
                 self.if_open(Effect::Reference)
             }
+            Command::KeepVolume => {
+                let volume = self.solution.as_ref().and_then(|s| s.volume.clone());
+                match volume {
+                    Some(volume) => self.keep(volume, "radiosity"),
+                    None => self.log.warn("there is no volume to keep yet"),
+                }
+                vec![Effect::Inspect]
+            }
+            Command::ForgetVolume(number) => {
+                if number < self.kept.len() {
+                    self.kept.remove(number);
+                }
+                let against = &mut self.document.view.volume.against;
+                *against = match *against {
+                    Against::Kept(n) if n == number => Against::Ignoring,
+                    Against::Kept(n) if n > number => Against::Kept(n - 1),
+                    other => other,
+                };
+                vec![Effect::Inspect]
+            }
+            Command::TraceVolume => self.if_open(Effect::ReferenceVolume),
             Command::Cancel => vec![Effect::Cancel],
             Command::Solve => self.if_open(Effect::Follow { dragging: false }),
             Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],
             Command::Window(window) => vec![Effect::Window(window)],
         }
+    }
+
+    /// Keeps a volume and compares with it; `source` is where its light comes from.
+    pub fn keep(&mut self, volume: Arc<IrradianceVolume>, source: &str) {
+        let number = self.kept.len() + 1;
+        let (samples, bins) = (volume.samples().len(), volume.bins().len());
+        self.kept.push(Kept { name: format!("{number}: {source}, {samples} × {bins}"), volume });
+        self.document.view.volume.against = Against::Kept(number - 1);
     }
 
     fn if_open(&mut self, effect: Effect) -> Vec<Effect> {

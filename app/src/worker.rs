@@ -9,14 +9,17 @@ mod bench;
 use crate::{
     pipeline::{Loaded, Source},
     placement::Placement,
-    session::{Reference, VolumeView},
+    session::{Kept, Reference, VolumeView},
     widgets::Probe,
 };
 use bench::Bench;
 use glam::Vec3;
 use lumenscope_core::{
     inspection::InspectionScene,
-    irradiance_volume::placement::{Measurement, requirement::Requirement},
+    irradiance_volume::{
+        IrradianceVolume,
+        placement::{Measurement, requirement::Requirement},
+    },
     math::progress::Progress,
     scene::{Scene, camera::Camera},
     superposition::{composite::Display, plan::Plan},
@@ -44,6 +47,8 @@ pub enum News {
     Measured(Option<Arc<Measurement>>),
     /// What the views show was made.
     Inspection(Option<Arc<InspectionScene>>),
+    /// A volume was path-traced.
+    TracedVolume(Arc<IrradianceVolume>),
     /// The reference has more samples.
     Reference(Reference),
     /// A file was written.
@@ -80,6 +85,8 @@ pub struct InspectRequest {
     pub volume: VolumeView,
     /// Ids of the views switched on.
     pub views: Vec<String>,
+    /// Volumes kept.
+    pub kept: Vec<Kept>,
 }
 
 /// A picture wanted from the path tracer.
@@ -145,6 +152,7 @@ struct Slots {
     measure: bool,
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
+    trace_volume: bool,
     job: Option<Job>,
     quit: bool,
 }
@@ -206,6 +214,7 @@ impl Worker {
             || slots.probe.is_some()
             || slots.inspect.is_some()
             || slots.measure
+            || slots.trace_volume
             || !slots.exports.is_empty()
     }
 
@@ -220,6 +229,7 @@ impl Worker {
             slots.placement = Placement::default();
             slots.measure = false;
             slots.reference = Some(None);
+            slots.trace_volume = false;
         });
     }
 
@@ -251,6 +261,11 @@ impl Worker {
         self.put(Rank::Any, |slots| slots.reference = Some(request));
     }
 
+    /// Path-traces a volume with the samples of the present one.
+    pub fn trace_volume(&self) {
+        self.put(Rank::Any, |slots| slots.trace_volume = true);
+    }
+
     /// Writes a picture or its layers.
     pub fn export(&self, request: ExportRequest) {
         self.put(Rank::Any, |slots| slots.exports.push_back(request));
@@ -265,6 +280,7 @@ impl Worker {
             slots.probe = None;
             slots.exports.clear();
             slots.reference = Some(None);
+            slots.trace_volume = false;
         });
     }
 

@@ -3,10 +3,13 @@
 use crate::{
     inspection::InspectionScene,
     irradiance_volume::{
+        IrradianceVolume,
+        difference::Difference,
         inspect::{self as volume, VolumeView},
         lobe::lobe_scene,
         placement::{self, Measurement, requirement::Requirement},
         probe::{Probe, Quantity},
+        slice,
     },
     math::part::Part,
     radiosity::inspect as radiosity,
@@ -35,6 +38,8 @@ pub struct ViewInput<'a> {
     pub probe: Option<&'a Probe>,
     /// How the volume is shown.
     pub volume: &'a VolumeView,
+    /// The volume that the solution's is compared with.
+    pub against: Option<&'a IrradianceVolume>,
     /// Illuminance where it is measured, and what is asked of it.
     pub placement: Option<(&'a Measurement, &'a Requirement)>,
 }
@@ -68,6 +73,35 @@ pub const VIEWS: &[ViewRow] = &[
                 input.volume.first_level,
                 input.volume.second_level,
             ))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.slice",
+        systems: &["G5", "G8"],
+        title: "Volume slice",
+        tooltip: "A plane through the irradiance volume in false colour: the mean over all directions that a surface may face, ¼ ∫ L dω in lx, the mean spherical illuminance.",
+        build: |input| Some(slice::volume_slice(input.solution.volume.as_ref()?, input.volume)),
+    },
+    ViewRow {
+        id: "irradiance_volume.difference",
+        systems: &["G9", "G11"],
+        title: "Difference of volumes",
+        tooltip: "A sphere at every sample of the irradiance volume, coloured by how much more irradiance it has than the volume it is compared with: E_A(n) − E_B(n) in lx on the side that faces n; red where A has more, blue where B has.",
+        build: |input| {
+            let difference =
+                Difference::new(input.solution.volume.as_ref()?, input.against?, input.volume.part);
+            Some(volume::difference_spheres(&difference, input.volume))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.difference_slice",
+        systems: &["G9", "G11"],
+        title: "Difference of volumes, slice",
+        tooltip: "A plane through the difference of two irradiance volumes in false colour: ¼ ∫ (L_A − L_B) dω in lx; red where A has more, blue where B has.",
+        build: |input| {
+            let difference =
+                Difference::new(input.solution.volume.as_ref()?, input.against?, input.volume.part);
+            Some(slice::difference_slice(&difference, input.volume))
         },
     },
     ViewRow {

@@ -2,9 +2,11 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod accuracy;
+mod comparison;
 mod harmonics;
 mod ignored;
 mod moving;
+mod panorama;
 mod placement;
 mod sampling;
 mod spheres;

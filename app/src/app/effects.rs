@@ -49,6 +49,7 @@ impl LumenscopeApp {
                 let camera = self.session.document.view.camera;
                 self.worker.reference(Some(ReferenceRequest { camera, size }));
             }
+            Effect::ReferenceVolume => self.worker.trace_volume(),
             Effect::DropReference => self.worker.reference(None),
             Effect::Save(path) => self.save(path),
             Effect::ExportProbe(path) => self.export_probe(&path),
@@ -74,6 +75,7 @@ impl LumenscopeApp {
             requirement: self.session.document.edits.placement.requirement.clone(),
             volume: view.volume.clone(),
             views: view.views.clone(),
+            kept: self.session.kept.clone(),
         });
     }
 

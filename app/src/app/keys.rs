@@ -58,6 +58,11 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
     if with(Modifiers::NONE, Key::V) {
         view.volume.shown = !view.volume.shown;
     }
+    if with(Modifiers::NONE, Key::I)
+        && let Some(target) = view.selected
+    {
+        crate::panels::volumes::toggle_ignored(&mut view.volume, target);
+    }
     if with(Modifiers::NONE, Key::Escape) {
         view.selected = None;
     }

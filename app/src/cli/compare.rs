@@ -5,7 +5,8 @@ use anyhow::Context;
 use clap::Args;
 use lumenscope_core::{
     io::{exr, png},
-    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
+    irradiance_volume::{IrradianceVolume, difference::Difference},
+    math::{colour::luminance, false_colour::FalseColour, image::LinearImage, part::Part},
     measure,
     superposition::composite,
 };
@@ -14,9 +15,9 @@ use std::path::{Path, PathBuf};
 /// Options of `compare`.
 #[derive(Args)]
 pub struct Options {
-    /// Picture under test.
+    /// Picture or irradiance volume (`.volume`) under test.
     a: PathBuf,
-    /// Picture to compare it with.
+    /// Picture or volume to compare it with.
     b: PathBuf,
     /// Folder for the difference images.
     #[arg(long)]
@@ -31,6 +32,9 @@ pub struct Options {
 /// # Errors
 /// One line naming the file and the cause.
 pub fn run(options: &Options) -> anyhow::Result<()> {
+    if [&options.a, &options.b].iter().all(|p| p.extension().is_some_and(|e| e == "volume")) {
+        return volumes(options);
+    }
     let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
     let display = auto_display(&b);
     let flip = measure::image::flip_displayed(
@@ -62,6 +66,18 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         "{}: absolute luminance difference, 0 to {high:.3} cd/m²",
         out.join("difference.png").display()
     );
+    Ok(())
+}
+
+/// Compares two irradiance volumes, A − B, part by part.
+fn volumes(options: &Options) -> anyhow::Result<()> {
+    let (a, b) = (IrradianceVolume::load(&options.a)?, IrradianceVolume::load(&options.b)?);
+    let of = |part| serde_json::to_value(Difference::new(&a, &b, part).statistics());
+    let report = serde_json::json!({
+        "all": of(Part::All)?, "direct": of(Part::Direct)?, "indirect": of(Part::Indirect)?,
+        "same_samples": Difference::new(&a, &b, Part::All).same_samples(),
+    });
+    println!("{}", serde_json::to_string_pretty(&report)?);
     Ok(())
 }
 

@@ -4,6 +4,7 @@ mod compare;
 mod cost;
 mod headless;
 mod irradiance;
+mod panorama;
 pub mod placement;
 mod placement_map;
 mod probe;
@@ -18,6 +19,7 @@ mod table;
 mod tour;
 mod volume;
 mod volume_options;
+mod volume_table;
 mod wall;
 
 use anyhow::Context;
@@ -79,6 +81,14 @@ enum Job {
     /// What an object lit from the volume costs a frame while it moves.
     #[command(after_help = "Example: lumenscope cost scenes/office/office.ron --model bunny.obj")]
     Cost(cost::Options),
+    /// A latitude-longitude picture of everything around a point, in cd/m².
+    #[command(
+        after_help = "Example: lumenscope panorama scenes/office/office.ron --at 0,1.2,0.5 --out p.exr"
+    )]
+    Panorama(panorama::Options),
+    /// Make an irradiance volume of panoramas taken at known places.
+    #[command(after_help = "Example: lumenscope panoramas nodes.ron --out pictures.volume")]
+    Panoramas(panorama::VolumeOptions),
     /// Path-traced picture with the variance of every pixel.
     #[command(
         after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256"
@@ -124,6 +134,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Placement(options)) => placement::run(&options, common),
         Some(Job::Wall(options)) => wall::run(&options, common),
         Some(Job::Cost(options)) => cost::run(&options, common),
+        Some(Job::Panorama(options)) => panorama::run(&options, common),
+        Some(Job::Panoramas(options)) => panorama::volume(&options),
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),

@@ -12,6 +12,8 @@ use lumenscope_core::{
     inspection::InspectionScene,
     io::png::write_png as write_pixels,
     irradiance_volume::{
+        IrradianceVolume,
+        ignored::Ignored,
         inspect::VolumeView,
         placement::{
             MeasureSettings,
@@ -83,10 +85,12 @@ pub fn write_pictures(
     let plane = solution.scene.planes.first().map_or("", |p| &p.name);
     let measured = super::placement::measured(solution, plane, 3, &MeasureSettings::default()).ok();
     let writing = PRESETS.iter().find(|p| p.mean_lx == Some(500.0)).map(Preset::requirement);
+    let without_main = without_main_emitter(solution);
     let input = ViewInput {
         solution,
         probe: Some(&probe),
         volume: &VolumeView::default(),
+        against: without_main.as_ref(),
         placement: measured.as_ref().zip(writing.as_ref()),
     };
     let mut legends = serde_json::Map::new();
@@ -101,6 +105,14 @@ pub fn write_pictures(
         }
     }
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
+}
+
+/// The volume without the light that comes straight from whatever gives the most.
+fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceVolume> {
+    let list = &solution.world.emitters.list;
+    let main = list.iter().max_by(|a, b| a.flux().total_cmp(&b.flux()))?;
+    let ignored = Ignored::of([main.target()]);
+    solution.volume.as_ref()?.ignoring(&solution.world, &*solution.radiosity, ignored)
 }
 
 /// Palette over a view's own range.

@@ -13,6 +13,7 @@ pub mod readout;
 pub mod scene;
 pub mod status;
 pub mod views;
+pub mod volumes;
 
 use crate::{command::Command, session::View};
 use egui::{RichText, Ui};

@@ -30,6 +30,7 @@ enum Task {
     Export(Box<ExportRequest>),
     Reference(Option<ReferenceRequest>),
     MoreSamples,
+    TraceVolume,
 }
 
 /// What the thread keeps between jobs.
@@ -74,6 +75,7 @@ impl Bench {
                 }
                 Task::Reference(request) => self.begin_reference(request),
                 Task::MoreSamples => self.more_samples(),
+                Task::TraceVolume => self.trace_volume(),
             }
         }
     }
@@ -123,6 +125,9 @@ impl Bench {
         }
         if let Some(request) = slots.exports.pop_front() {
             return Some(Task::Export(Box::new(request)));
+        }
+        if self.solution.is_some() && std::mem::take(&mut slots.trace_volume) {
+            return Some(Task::TraceVolume);
         }
         if self.solution.is_some()
             && let Some(request) = slots.reference.take()
@@ -246,6 +251,16 @@ impl Bench {
             }
             _ => None,
         };
+    }
+
+    fn trace_volume(&mut self) {
+        let Some(solution) = self.solution.clone() else { return };
+        let traced = self.job("Path tracing a volume", Rank::Stop, |_, progress| {
+            pipeline::trace_volume(&solution, progress)
+        });
+        if let Some(volume) = traced {
+            self.tell(News::TracedVolume(Arc::new(volume)));
+        }
     }
 
     fn more_samples(&mut self) {

@@ -1,6 +1,7 @@
 //! Files written and read besides scenes: layers as EXR, pictures as PNG.
 
 pub mod exr;
+pub mod panorama;
 pub mod png;
 pub mod probe;
 

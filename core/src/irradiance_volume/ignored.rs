@@ -4,7 +4,7 @@
 //! it, and shadows and light that other surfaces have from it stay. So the difference between a volume
 //! and the same one ignoring a surface is the light that comes to the air straight from that surface.
 
-use crate::scene::{emitters::Emitter, geometry::Geometry};
+use crate::scene::{Target, emitters::Emitter, geometry::Geometry};
 use std::collections::BTreeSet;
 
 /// What is left out.
@@ -20,6 +20,18 @@ pub struct Ignored {
 }
 
 impl Ignored {
+    /// These objects and lamps.
+    pub fn of(targets: impl IntoIterator<Item = Target>) -> Self {
+        let mut ignored = Self::default();
+        for target in targets {
+            match target {
+                Target::Object(i) => ignored.objects.insert(i as u32),
+                Target::Lamp(i) => ignored.lamps.insert(i as u32),
+            };
+        }
+        ignored
+    }
+
     /// Whether nothing is ignored.
     pub fn is_empty(&self) -> bool {
         self.objects.is_empty() && self.materials.is_empty() && self.lamps.is_empty()

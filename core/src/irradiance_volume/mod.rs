@@ -20,6 +20,7 @@
 //! beside the bins, to choose from: eight times faster to ask and 36 times smaller, but bins hold any
 //! function and show it as it is.
 
+pub mod adaptive;
 pub mod bases;
 mod cache;
 pub mod codec;
@@ -28,12 +29,14 @@ pub mod direct;
 pub mod directions;
 pub mod dynamic_object;
 pub mod file;
+mod given;
 pub mod grid;
 pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
 pub mod lobe;
 pub mod overlap;
+pub mod panorama;
 pub mod placement;
 pub mod probe;
 pub mod quadrature;

@@ -48,6 +48,9 @@ pub struct VolumeSettings {
     pub target_samples: u32,
     /// Second-level samples an axis in a cell with geometry, 2 to 9; the thesis uses 3.
     pub second_level: u32,
+    /// Divides the cells in which interpolation errs by more than this share, worst first and within
+    /// `target_samples`, instead of those with geometry; 0 to 10. See [`super::adaptive`].
+    pub refine_tolerance: Option<f32>,
     /// Rows and columns of direction bins a hemisphere, 1 to 128; 17 gives 578 bins.
     pub bins_n: u32,
     /// Radiance rays a bin, 1 to 256; 1 goes through its centre.
@@ -74,6 +77,7 @@ impl Default for VolumeSettings {
             samples: None,
             target_samples: 2_287,
             second_level: 3,
+            refine_tolerance: None,
             bins_n: 17,
             supersample: 1,
             informed_rays: 256,
@@ -158,6 +162,12 @@ impl VolumeSettings {
         }
         within("target_samples", self.target_samples, 8, 1_000_000, "8 to 1,000,000")?;
         within("second_level", self.second_level, 2, 9, "2 to 9")?;
+        if let Some(tolerance) = self.refine_tolerance
+            && !(0.0..=10.0).contains(&tolerance)
+        {
+            let value = tolerance.to_string();
+            return Err(VolumeError::Setting { name: "refine_tolerance", value, range: "0 to 10" });
+        }
         within("bins_n", self.bins_n, 1, 128, "1 to 128")?;
         within("supersample", self.supersample, 1, 256, "1 to 256")?;
         within("informed_rays", self.informed_rays, 0, 65_536, "0 to 65,536")?;

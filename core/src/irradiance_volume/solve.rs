@@ -6,7 +6,7 @@
 //! comes from [`super::direct`], never from a bin.
 
 use super::{
-    IrradianceVolume, Sample, VolumeError, VolumeSettings,
+    IrradianceVolume, Sample, VolumeError, VolumeSettings, adaptive,
     cache::{Met, Solver, Transport},
     direct::Arrivals,
     directions::Directions,
@@ -51,7 +51,10 @@ impl IrradianceVolume {
         progress: &Progress,
     ) -> Result<Self, VolumeError> {
         progress.begin("irradiance volume");
-        let mut grid = settings.grid(world)?;
+        let mut grid = match settings.refine_tolerance {
+            Some(tolerance) => adaptive::grid(world, light, settings, tolerance, progress)?,
+            None => settings.grid(world)?,
+        };
         let bins = DirectionBins::new(settings.bins_n);
         let targets = if settings.informed_rays > 0 { Targets::new(light) } else { Targets::default() };
         let done = AtomicUsize::new(0);

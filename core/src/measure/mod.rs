@@ -7,6 +7,7 @@ pub mod image;
 pub mod irradiance;
 pub mod perceptual;
 pub mod significance;
+pub mod volume;
 
 use crate::math::image::LinearImage;
 

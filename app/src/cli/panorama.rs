@@ -1,0 +1,109 @@
+//! `panorama` and `panoramas`: a picture of everything around a point, and a volume from such pictures.
+
+use super::{Common, parse_point, report, solve};
+use anyhow::Context;
+use clap::Args;
+use glam::Vec3;
+use lumenscope_core::{
+    io::{exr, panorama as files},
+    irradiance_volume::{
+        IrradianceVolume, VolumeSettings,
+        panorama::{PanoramaNode, render},
+    },
+    math::{part::Part, random::hash},
+    scene::accel::Ray,
+    transport::LightTransportSolution,
+};
+use std::{f32::consts::FRAC_1_PI, path::PathBuf};
+
+/// Options of `panorama`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// Point, m.
+    #[arg(long, value_parser = parse_point)]
+    at: Vec3,
+    /// OpenEXR file to write: latitude–longitude, cd/m², −z in the middle, +x to the right of it.
+    #[arg(long)]
+    out: PathBuf,
+    /// Height in pixels, from 1 to 8192; the width is twice that.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    height: u32,
+    /// Rays along each edge of a pixel, from 1 to 16.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
+    rays: u32,
+}
+
+/// Shadow rays an area emitter and ray.
+const SHADOW_RAYS: u32 = 16;
+
+/// Renders and writes a panorama.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    let loaded = solve::load(&options.scene, common)?;
+    let solution = solve::solve(&loaded, false)?;
+    let image = render(options.height, options.rays, |direction| radiance(&solution, options.at, direction));
+    let note = format!("latitude-longitude panorama at {} m, radiance in cd/m2", options.at);
+    exr::write_layers(&options.out, &[("", &image)], &note)?;
+    let mean = image.mean();
+    eprintln!("{}: mean {:.3} {:.3} {:.3} cd/m²", options.out.display(), mean.x, mean.y, mean.z);
+    Ok(())
+}
+
+/// Radiance that arrives at a point along a direction, as a picture's pixels have it, cd/m².
+fn radiance(solution: &LightTransportSolution, at: Vec3, direction: Vec3) -> Vec3 {
+    let world = &solution.world;
+    let Some(hit) = world.accel.trace(&Ray::new(at, direction)) else { return Vec3::ZERO };
+    let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
+    let scramble = hash(direction.x.to_bits() ^ hash(direction.y.to_bits()));
+    let e = solution.radiosity.irradiance_exact_direct(world, &surface, Part::All, SHADOW_RAYS, scramble);
+    world.geometry.emission(&surface) + world.geometry.reflectance(&surface) * e * FRAC_1_PI
+}
+
+/// Options of `panoramas`.
+#[derive(Args)]
+pub struct VolumeOptions {
+    /// RON list of nodes: `[(position: (x, y, z), file: "p.exr"), …]`; files beside the list, .exr or .hdr.
+    nodes: PathBuf,
+    /// Volume to write.
+    #[arg(long)]
+    out: PathBuf,
+    /// Samples an axis as `X,Y,Z`; as many as the nodes have different coordinates if not given.
+    #[arg(long, value_delimiter = ',', num_args = 3)]
+    samples: Vec<u32>,
+    /// Rows and columns of bins a hemisphere.
+    #[arg(long, default_value_t = 17)]
+    bins_n: u32,
+}
+
+/// One line of the list of nodes.
+#[derive(serde::Deserialize)]
+struct NodeLine {
+    position: Vec3,
+    file: PathBuf,
+}
+
+/// Reads panoramas, makes a volume of them and writes it.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn volume(options: &VolumeOptions) -> anyhow::Result<()> {
+    let list = &options.nodes;
+    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?;
+    let lines: Vec<NodeLine> =
+        ron::from_str(&text).with_context(|| format!("{}: not a list of nodes", list.display()))?;
+    let folder = list.parent().unwrap_or(std::path::Path::new(""));
+    let nodes = lines
+        .into_iter()
+        .map(|l| Ok(PanoramaNode { position: l.position, image: files::read(&folder.join(l.file))? }))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let samples = <[u32; 3]>::try_from(&options.samples[..]).ok();
+    let settings = VolumeSettings { samples, bins_n: options.bins_n, ..VolumeSettings::default() };
+    let volume = solve::watched(|progress| IrradianceVolume::from_panoramas(&nodes, &settings, progress))?;
+    volume.save(&options.out)?;
+    println!("{}", serde_json::to_string_pretty(&report::volume(&volume))?);
+    Ok(())
+}
