@@ -139,7 +139,7 @@ fn the_error_falls_as_bins_and_grid_grow() {
     assert_eq!(receivers.len(), 200);
     let truth = ReferencePoints::trace(&world, receivers, 2048, 9, &Progress::silent()).unwrap();
     let noise = truth.median_noise().unwrap();
-    assert!(noise < 0.03, "{noise}");
+    assert!(noise < 0.05, "{noise}");
     let row = |samples: [u32; 3], bins_n| {
         let settings = VolumeSettings { bins_n, ..small(samples) };
         volume_row(&world, &radiosity, &settings, &truth, &Progress::silent()).unwrap()
