@@ -7,6 +7,7 @@ use super::{
     render::{self, Backend},
     screenshots, solve,
 };
+use lumenscope_core::io::png::write_png;
 use std::path::{Path, PathBuf};
 
 /// Folder written where there is no display.
@@ -28,7 +29,9 @@ pub fn window_or_files(file: Option<PathBuf>, common: &Common) -> anyhow::Result
     let solution = solve::solve(&loaded, true)?;
     let (layers, _) = render::picture(&solution, [1280, 720], 8, Backend::Auto, common.seed)?;
     render::write_layers(&folder.join("layers.exr"), &layers)?;
-    screenshots::write_pictures(&solution, &layers, folder)
+    screenshots::write_pictures(&solution, &layers, folder, |path, width, height, pixels| {
+        Ok(write_png(path, width, height, pixels)?)
+    })
 }
 
 fn has_display() -> bool {

@@ -14,6 +14,7 @@ mod render;
 mod replay;
 mod report;
 mod screenshots;
+mod small_png;
 mod solve;
 mod table;
 mod tour;

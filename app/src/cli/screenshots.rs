@@ -4,13 +4,15 @@ use crate::examples::{self, Example};
 
 use super::{
     Common,
-    render::{self, Backend, auto_display, write_png},
-    solve,
+    probe::looking_from,
+    render::{self, Backend, auto_display},
+    small_png, solve,
 };
+use crate::widgets::resolutions::ROWS;
 use clap::Args;
+use glam::Vec3;
 use lumenscope_core::{
     inspection::InspectionScene,
-    io::png::write_png as write_pixels,
     irradiance_volume::{
         IrradianceVolume,
         ignored::Ignored,
@@ -19,9 +21,12 @@ use lumenscope_core::{
             MeasureSettings,
             requirement::{PRESETS, Preset},
         },
-        probe::Probe,
+        probe::{Probe, Quantity},
     },
-    math::{colour::luminance, false_colour::FalseColour},
+    math::{
+        colour::luminance, false_colour::FalseColour, image::LinearImage, part::Part,
+        sphere_values::SphereValues,
+    },
     registry::{VIEWS, ViewInput},
     superposition::{
         composite::{self, DirectQuality},
@@ -42,7 +47,7 @@ pub struct Options {
 }
 
 /// Size of the tour's pictures, pixels.
-const SIZE: [u32; 2] = [960, 540];
+const SIZE: [u32; 2] = [640, 360];
 
 /// Writes the tour.
 ///
@@ -56,12 +61,52 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let loaded = solve::load(&path, common)?;
         let solution = solve::solve(&loaded, true)?;
         let (layers, _) = render::picture(&solution, SIZE, 16, Backend::Cpu, common.seed)?;
-        write_pictures(&solution, &layers, &folder)?;
+        write_pictures(&solution, &layers, &folder, small_png::write)?;
+        resolutions(&solution, &folder)?;
     }
     super::tour::write(&options.out.join("program"))
 }
 
-/// The picture, every layer and every view of a solution, as PNG.
+/// Diameter of a ball in the picture of all resolutions, pixels.
+const BALL: usize = 200;
+
+/// The light at one point at every resolution of the thesis, coarsest first: radiance above, irradiance
+/// below, each as it would look on the display.
+fn resolutions(solution: &LightTransportSolution, folder: &Path) -> anyhow::Result<()> {
+    let at = |n| Probe::at(&solution.world, &*solution.radiosity, probed(solution), n, 4, 1);
+    let (width, height) = (ROWS.len() * BALL, 2 * BALL);
+    let mut pixels = vec![[0, 0, 0, 255]; width * height];
+    let side = looking_from(solution.scene.camera.eye - solution.scene.camera.target);
+    for (column, n) in ROWS.into_iter().enumerate() {
+        let probe = at(n)?;
+        for (row, quantity) in [Quantity::Radiance, Quantity::Irradiance].into_iter().enumerate() {
+            let values = probe.values(quantity, Part::All);
+            let shown = LinearImage { width: values.len() as u32, height: 1, pixels: values.clone() };
+            let display = auto_display(&shown);
+            let sphere = SphereValues { bins: probe.bins, values: &values };
+            let ball = sphere.ball(side, BALL, false, |v| {
+                let [r, g, b, _] = display.pixel(v);
+                [r, g, b]
+            });
+            for (y, line) in ball.chunks_exact(BALL).enumerate() {
+                let first = (row * BALL + y) * width + column * BALL;
+                pixels[first..first + BALL].copy_from_slice(line);
+            }
+        }
+    }
+    small_png::write(&folder.join("resolutions.png"), width as u32, height as u32, &pixels)
+}
+
+/// Where the tour's spheres stand: before the camera, above what it looks at.
+fn probed(solution: &LightTransportSolution) -> Vec3 {
+    let camera = &solution.scene.camera;
+    camera.eye + (camera.target - camera.eye) * 0.6
+}
+
+/// Writes display pixels to a file.
+pub type WritePixels = fn(&Path, u32, u32, &[[u8; 4]]) -> anyhow::Result<()>;
+
+/// The picture, every layer and every view of a solution.
 ///
 /// # Errors
 /// One line naming the file and the cause.
@@ -69,19 +114,20 @@ pub fn write_pictures(
     solution: &LightTransportSolution,
     layers: &Layers,
     folder: &Path,
+    write: WritePixels,
 ) -> anyhow::Result<()> {
     let sum = layers.sum([1.0; 3]);
     let display = auto_display(&sum);
-    write_png(&folder.join("picture.png"), &sum, &display)?;
-    for layer in Layer::ALL {
-        write_png(&folder.join(format!("layer_{}.png", layer.name())), layers.get(layer), &display)?;
-    }
     let (width, height) = (sum.width, sum.height);
+    write(&folder.join("picture.png"), width, height, &composite::display(&sum, &display))?;
+    for layer in Layer::ALL {
+        let pixels = composite::display(layers.get(layer), &display);
+        write(&folder.join(format!("layer_{}.png", layer.name())), width, height, &pixels)?;
+    }
     let camera = &solution.scene.camera;
     let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
     let (buffer, _) = pass::render(solution, camera, width, height, &settings);
-    let look = camera.target - camera.eye;
-    let probe = Probe::at(&solution.world, &*solution.radiosity, camera.eye + look * 0.6, 17, 1, 1)?;
+    let probe = Probe::at(&solution.world, &*solution.radiosity, probed(solution), 17, 1, 1)?;
     let plane = solution.scene.planes.first().map_or("", |p| &p.name);
     let measured = super::placement::measured(solution, plane, 3, &MeasureSettings::default()).ok();
     let writing = PRESETS.iter().find(|p| p.mean_lx == Some(500.0)).map(Preset::requirement);
@@ -98,7 +144,7 @@ pub fn write_pictures(
         let Some(scene) = (view.build)(&input) else { continue };
         let mut pixels = composite::display(&sum, &display);
         overlay::draw(&mut pixels, &buffer, camera, &scene, &false_colour(&scene));
-        write_pixels(&folder.join(format!("view_{}.png", view.id)), width, height, &pixels)?;
+        write(&folder.join(format!("view_{}.png", view.id)), width, height, &pixels)?;
         if let Some(legend) = &scene.legend {
             let range = serde_json::json!({ "title": view.title, "quantity": legend.quantity, "unit": legend.unit, "range": legend.range });
             legends.insert(view.id.into(), range);

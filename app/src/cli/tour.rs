@@ -1,5 +1,6 @@
 //! The tour: the real window, driven without a screen, photographed as a user would see it.
 
+use super::small_png;
 use crate::{
     LumenscopeApp,
     app::Config,
@@ -26,7 +27,7 @@ const WINDOW: [f32; 2] = [1280.0, 800.0];
 /// Longest wait for light to settle.
 const PATIENCE: Duration = Duration::from_secs(300);
 /// Longest wait for the picture to lose its grain; it is photographed then as it is.
-const GRAIN: Duration = Duration::from_secs(40);
+const GRAIN: Duration = Duration::from_secs(20);
 
 /// Photographs the window in the states a user meets first.
 ///
@@ -45,7 +46,23 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.click_at([0.36, 0.58]);
     tour.wait("the spheres", |app| app.session().probe.is_some())?;
     tour.photograph("probe", GRAIN)?;
+    tour.view(|view| view.probe_bins_n = 29);
+    tour.click("Smooth");
+    tour.click("3-D lobe");
+    tour.wait("the spheres", |app| !app.is_busy())?;
+    tour.photograph("lobe", GRAIN)?;
+    tour.click("Resolutions");
+    tour.wait("every resolution", |app| !app.session().resolutions.is_empty() && !app.is_busy())?;
+    tour.photograph("resolutions", GRAIN)?;
+    tour.click("Smooth");
+    tour.click("Radial plots");
     tour.view(|view| view.probe = None);
+    tour.click("Plan");
+    tour.click("radiosity: automatic");
+    tour.photograph("plan", GRAIN)?;
+    tour.harness.key_press(egui::Key::Escape);
+    tour.harness.run_steps(2);
+    tour.click("Read-out");
 
     tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.06));
     tour.wait("the volume", |app| app.session().inspection.is_some())?;
@@ -137,6 +154,10 @@ impl Tour {
 
     fn open(&mut self, example: Example) -> anyhow::Result<()> {
         self.run(Command::OpenExample(example));
+        if self.harness.state().asked().is_some() {
+            self.harness.run_steps(2);
+            self.click("Discard");
+        }
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
     }
 
@@ -198,7 +219,8 @@ impl Tour {
         }
         let image = self.harness.render().map_err(|error| anyhow!("the window cannot be drawn: {error}"))?;
         let path = self.folder.join(format!("{name}.png"));
-        image.save(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        let pixels: Vec<[u8; 4]> = image.pixels().map(|p| p.0).collect();
+        small_png::write(&path, image.width(), image.height(), &pixels)?;
         eprintln!("{}", path.display());
         Ok(())
     }
