@@ -63,7 +63,8 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
     {
         crate::panels::volumes::toggle_ignored(&mut view.volume, target);
     }
-    if with(Modifiers::NONE, Key::Escape) {
+    // An open menu or popup closes first.
+    if !egui::Popup::is_any_open(ctx) && with(Modifiers::NONE, Key::Escape) {
         view.selected = None;
     }
     if view != session.document.view {

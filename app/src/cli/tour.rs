@@ -49,6 +49,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.view(|view| view.probe_bins_n = 29);
     tour.click("Smooth");
     tour.click("3-D lobe");
+    tour.click("E");
     tour.wait("the spheres", |app| !app.is_busy())?;
     tour.photograph("lobe", GRAIN)?;
     tour.click("Resolutions");
@@ -62,16 +63,17 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("plan", GRAIN)?;
     tour.harness.key_press(egui::Key::Escape);
     tour.harness.run_steps(2);
-    tour.click("Read-out");
+    tour.click("Layers");
 
     tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.06));
-    tour.wait("the volume", |app| app.session().inspection.is_some())?;
+    tour.wait("the volume", |app| app.session().inspection.is_some() && !app.is_busy())?;
     tour.photograph("volume", GRAIN)?;
     tour.view(|view| {
         view.volume.part = Part::Indirect;
         view.volume.slice = Some((1, 0.4));
         view.volume.size = 0.15;
     });
+    tour.wait("the slice", |app| !app.is_busy())?;
     tour.photograph("volume_slice", GRAIN)?;
     tour.view(|view| *view = View { camera: view.camera, ..View::default() });
 

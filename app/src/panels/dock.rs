@@ -142,9 +142,9 @@ fn layout() -> Tree<Pane> {
         tiles.insert_tab_tile(children)
     };
     let scene = tabs(&[Pane::Scene]);
-    let layers = tabs(&[Pane::Layers, Pane::Views]);
+    let layers = tabs(&[Pane::Layers, Pane::Views, Pane::Plan]);
     let spheres = tabs(&[Pane::Sphere, Pane::Placement]);
-    let readout = tabs(&[Pane::Readout, Pane::Plan]);
+    let readout = tabs(&[Pane::Readout]);
     let log = tabs(&[Pane::Log]);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let mut linear = |dir: LinearDir, children: &[(TileId, f32)]| {

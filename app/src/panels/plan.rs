@@ -46,20 +46,22 @@ fn row(
             },
         );
         if line.component != Component::Emitted {
-            decide(ui, state, line, session, over, out);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                decide(ui, state, line, session, over, out);
+            });
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let error = match line.expected_error {
-                _ if !line.used => "not computed".into(),
-                ExpectedError::Exact => "exact".into(),
-                ExpectedError::Median(share) => format!("error {:.1} %", share * 100.0),
-                ExpectedError::Unknown => "error unknown".into(),
-            };
-            ui.label(text(error).small())
-                .on_hover_text(format!("Expected relative error of this part.\n{}", line.error_basis));
-            ui.label(text(seconds(session, line)).small())
-                .on_hover_text("Seconds it took; in brackets, what was expected before it ran");
-        });
+    });
+    ui.horizontal(|ui| {
+        let error = match line.expected_error {
+            _ if !line.used => "not computed".into(),
+            ExpectedError::Exact => "exact".into(),
+            ExpectedError::Median(share) => format!("error {:.1} %", share * 100.0),
+            ExpectedError::Unknown => "error unknown".into(),
+        };
+        ui.label(text(error).small())
+            .on_hover_text(format!("Expected relative error of this part.\n{}", line.error_basis));
+        ui.label(text(seconds(session, line)).small())
+            .on_hover_text("Seconds it took; in brackets, what was expected before it ran");
     });
     let parts: Vec<&str> =
         [line.settings.as_str(), line.reason.as_str()].into_iter().filter(|p| !p.is_empty()).collect();

@@ -87,7 +87,9 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &Vi
             ui.vertical(|ui| tabs(ui, &mut memory, &shown));
         });
     } else {
-        let size = (0.5 * (room - 12.0)).clamp(90.0, 190.0);
+        // A tall tab leaves less for the balls above it.
+        let largest = if matches!(memory.tab, Tab::Lobe | Tab::Resolutions) { 96.0 } else { 190.0 };
+        let size = (0.5 * (room - 12.0)).clamp(90.0, largest);
         balls(ui, &mut memory, &shown, size);
         ui.separator();
         tabs(ui, &mut memory, &shown);
@@ -326,7 +328,7 @@ fn lobe_tab(
     colour: &dyn Fn(Vec3) -> [u8; 3],
 ) {
     let LobeLook { values, channel, smooth, unit, picture_key } = look;
-    let size = ui.available_width().clamp(120.0, 210.0);
+    let size = ui.available_width().clamp(120.0, 180.0);
     let (rect, response) = ui.allocate_exact_size(egui::vec2(size, size), egui::Sense::click_and_drag());
     let response = response.on_hover_and_drag_cursor(egui::CursorIcon::Grab);
     turn.drag(&response, size);
