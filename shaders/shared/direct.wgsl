@@ -81,14 +81,14 @@ fn polygon_irradiance(position: vec3f, n: vec3f, a: vec3f, b: vec3f, c: vec3f) -
 }
 
 // Twin of `direct::distant_irradiance`; negative where that is `None`.
-fn distant_irradiance(position: vec3f, n: vec3f, from: array<vec3f, 3>, area_normal: vec3f) -> f32 {
-    let a = from[0] - position;
-    let b = from[1] - position;
-    let c = from[2] - position;
+fn distant_irradiance(position: vec3f, n: vec3f, triangle: array<vec3f, 3>, area_normal: vec3f) -> f32 {
+    let a = triangle[0] - position;
+    let b = triangle[1] - position;
+    let c = triangle[2] - position;
     let centre = a + b + c;
     let size = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
     let lowest = min(min(dot(a, n), dot(b, n)), dot(c, n));
-    if size > 0.04 * dot(centre, centre) / 9.0 || lowest < 0.0 {
+    if size > 0.0064 * dot(centre, centre) / 9.0 || lowest < 0.0 {
         return -1.0;
     }
     var middles = array<vec3f, 3>(0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));

@@ -1,6 +1,10 @@
 //! Counts and figures of a solution as JSON.
 
-use lumenscope_core::{irradiance_volume::IrradianceVolume, math::part::Part, radiosity::RadiositySolution};
+use lumenscope_core::{
+    irradiance_volume::{IrradianceVolume, harmonics::Coefficients},
+    math::part::Part,
+    radiosity::RadiositySolution,
+};
 use serde_json::{Value, json};
 
 /// Elements, sweeps, energy and bytes of a radiosity solution.
@@ -23,7 +27,7 @@ pub fn volume(volume: &IrradianceVolume) -> Value {
         "valid_samples": samples.iter().filter(|s| s.valid).count(),
         "bins": volume.bins().len(),
         "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),
-        "harmonics_bytes_one_part": size_of_val(volume.harmonics().of(Part::Indirect)),
+        "harmonics_bytes_one_part": size_of::<Coefficients>() * samples.len(),
         "basis": volume.settings().basis,
         "bytes": volume.bytes(),
     })

@@ -81,7 +81,7 @@ impl IrradianceVolume {
                 worst: at(1.0).unwrap_or(0.0),
                 mean_signed: signed as f32,
                 bytes: match basis {
-                    Basis::Harmonics => size_of_val(self.tables.harmonics.of(part)),
+                    Basis::Harmonics => size_of_val(self.tables.harmonics().of(part)),
                     _ => self.table_bytes(),
                 },
             }

@@ -198,11 +198,13 @@ impl Solver {
                     }
                 }
                 self.quadrature.irradiance(&scratch.radiance, &mut scratch.irradiance);
+                for (codes, lanes) in scratch.codes.iter_mut().zip(&scratch.irradiance) {
+                    *codes = lanes.map(encode);
+                }
                 for s in 0..here {
                     let out = &mut indirect[s * bins..][..bins];
-                    for (texel, lanes) in out.iter_mut().zip(&scratch.irradiance) {
-                        *texel =
-                            [encode(lanes[s]), encode(lanes[BLOCK + s]), encode(lanes[2 * BLOCK + s]), 0];
+                    for (texel, lanes) in out.iter_mut().zip(&scratch.codes) {
+                        *texel = [lanes[s], lanes[BLOCK + s], lanes[2 * BLOCK + s], 0];
                     }
                     scratch.direct.iter_mut().for_each(|channel| channel.fill(0.0));
                     for emitter in arrivals {
@@ -224,6 +226,7 @@ struct Scratch {
     one: Vec<Vec3>,
     radiance: Vec<Lanes>,
     irradiance: Vec<Lanes>,
+    codes: Vec<[u16; LANES]>,
     direct: [Vec<f32>; 3],
 }
 
@@ -233,6 +236,7 @@ impl Scratch {
             one: vec![Vec3::ZERO; bins],
             radiance: vec![[0.0; LANES]; bins],
             irradiance: vec![[0.0; LANES]; bins],
+            codes: vec![[0; LANES]; bins],
             direct: std::array::from_fn(|_| vec![0.0; bins]),
         }
     }

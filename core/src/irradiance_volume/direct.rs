@@ -8,7 +8,7 @@
 
 use super::VolumeSettings;
 use crate::{
-    math::{random::r2_point, sphere_map::DirectionBins},
+    math::{colour::luminance, random::r2_point, sphere_map::DirectionBins},
     scene::{
         accel::Ray,
         emitters::{AreaEmitter, Emitter},
@@ -16,7 +16,7 @@ use crate::{
         world::World,
     },
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, IVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Light that reaches a sample from one direction.
@@ -63,6 +63,40 @@ impl Arrivals {
     }
 }
 
+/// Arrivals from nearly the same direction as one: 20 cells along an axis of the octahedral map, 8° each.
+///
+/// The vector irradiance stays what it was, so every normal with the whole cell above its horizon gets the
+/// same light; it takes two thirds of the arrivals away, whose cosines with all the bins are what a drag
+/// waits for.
+fn merged(list: Vec<Arrival>) -> Vec<Arrival> {
+    const CELLS: f32 = 10.0;
+    let cell = |d: Vec3| {
+        let p = d.truncate() / d.abs().element_sum();
+        let folded = (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
+        ((if d.z < 0.0 { folded } else { p } + Vec2::ONE) * CELLS).as_ivec2()
+    };
+    let mut cells: Vec<(IVec2, Vec3, Vec<Arrival>)> = Vec::new();
+    for arrival in list {
+        let key = cell(arrival.direction);
+        let weighted = arrival.direction * luminance(arrival.normal_irradiance);
+        match cells.iter_mut().find(|c| c.0 == key) {
+            Some((_, sum, members)) => {
+                *sum += weighted;
+                members.push(arrival);
+            }
+            None => cells.push((key, weighted, vec![arrival])),
+        }
+    }
+    cells
+        .into_iter()
+        .map(|(_, sum, members)| {
+            let direction = sum.normalize_or(members[0].direction);
+            let along = |a: &Arrival| a.normal_irradiance * a.direction.dot(direction);
+            Arrival { direction, normal_irradiance: members.iter().map(along).sum() }
+        })
+        .collect()
+}
+
 /// Visible light from one emitter at a point in the air.
 pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &VolumeSettings) -> Vec<Arrival> {
     match emitter {
@@ -85,7 +119,9 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
             if seen { vec![Arrival { direction, normal_irradiance }] } else { Vec::new() }
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec::new(),
-        Emitter::Area(area) if area.triangles.len() > MESHED => sampled(world, area, position, settings),
+        Emitter::Area(area) if area.triangles.len() > MESHED => {
+            merged(sampled(world, area, position, settings))
+        }
         Emitter::Area(area) => {
             let mut list = Vec::new();
             let leaves = settings.direct_samples.max(1);
@@ -103,7 +139,7 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
                     Leaves { world, area, triangle, position, list: &mut list }.cut(whole, depth, 6);
                 }
             }
-            list
+            merged(list)
         }
     }
 }

@@ -18,7 +18,6 @@ use crate::math::{
     spherical_harmonics::{CONSTANT, COUNT, basis},
 };
 use glam::{Vec3, Vec3A, Vec4};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Irradiance of one sample in bands 0 to 2, lx.
@@ -85,11 +84,11 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
-    /// Projects the bins of every sample.
+    /// Projects the bins of every sample. On one thread: whoever waits for it may hold the others.
     pub fn new(bins: DirectionBins, direct: &[Texel], indirect: &[Texel]) -> Self {
         let projection = Projection::new(bins);
         let project = |table: &[Texel]| -> Vec<[Vec3; COUNT]> {
-            table.par_chunks(bins.len()).map(|texels| projection.project(texels)).collect()
+            table.chunks(bins.len()).map(|texels| projection.project(texels)).collect()
         };
         let (direct, indirect) = (project(direct), project(indirect));
         let both = direct.iter().zip(&indirect).map(|(d, i)| std::array::from_fn(|k| d[k] + i[k]));

@@ -65,7 +65,7 @@ use glam::{Vec2, Vec3};
 use grid::BilevelGrid;
 use harmonics::Harmonics;
 use rays::Patch;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -95,18 +95,22 @@ pub struct Sample {
 }
 
 /// Irradiance of every bin of every sample, encoded; bin b of sample s is entry s · 2n² + b.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct Tables {
+    bins: DirectionBins,
     direct: Arc<Vec<Texel>>,
     indirect: Arc<Vec<Texel>>,
-    /// The same in nine coefficients.
-    harmonics: Harmonics,
+    /// The same in nine coefficients, once somebody asks: a drag lit by the bins does without.
+    harmonics: Arc<OnceLock<Harmonics>>,
 }
 
 impl Tables {
     fn new(bins: DirectionBins, direct: Vec<Texel>, indirect: Vec<Texel>) -> Self {
-        let harmonics = Harmonics::new(bins, &direct, &indirect);
-        Self { direct: Arc::new(direct), indirect: Arc::new(indirect), harmonics }
+        Self { bins, direct: Arc::new(direct), indirect: Arc::new(indirect), harmonics: Arc::default() }
+    }
+
+    fn harmonics(&self) -> &Harmonics {
+        self.harmonics.get_or_init(|| Harmonics::new(self.bins, &self.direct, &self.indirect))
     }
 }
 
@@ -142,7 +146,7 @@ impl IrradianceVolume {
 
     /// Nine coefficients a sample and channel: the bins in another basis.
     pub fn harmonics(&self) -> &Harmonics {
-        &self.tables.harmonics
+        self.tables.harmonics()
     }
 
     /// The same volume with another basis asked by queries.
@@ -164,7 +168,7 @@ impl IrradianceVolume {
     pub fn bytes(&self) -> usize {
         let transport = self.transport.as_ref().map_or(0, |t| t.met.bytes());
         2 * self.table_bytes()
-            + self.tables.harmonics.bytes()
+            + self.tables.harmonics.get().map_or(0, Harmonics::bytes)
             + transport
             + self.grid.bytes()
             + size_of_val(&self.samples[..])

@@ -15,7 +15,7 @@
 //! 1 % at n = 9: constant radiance L then gives πL in every direction.
 
 use crate::math::sphere_map::DirectionBins;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 
 /// Samples worked on together.
@@ -127,10 +127,8 @@ impl Quadrature {
             let images = images(b % half, b / half, n);
             let folded = images.map(|i| add(&upper[i], &lower[side - 1 - i]));
             for (parity, part) in split.iter_mut().enumerate() {
-                for lane in 0..LANES {
-                    let sum: f32 = (0..4).map(|i| sign(parity, i) * folded[i][lane]).sum();
-                    part[b][lane] = 0.25 * sum;
-                }
+                let signs = [0, 1, 2, 3].map(|i| 0.25 * sign(parity, i));
+                part[b] = combined(signs, folded.each_ref());
             }
         }
 
@@ -143,8 +141,9 @@ impl Quadrature {
             let part = parts.each_ref().map(|part| &part[a]);
             for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
                 let (w, scale) = (self.centres[image], self.scale[image]);
+                let even = combined([0, 1, 2, 3].map(|parity| sign(parity, i)), part);
                 for lane in 0..LANES {
-                    let even: f32 = (0..4).map(|parity| sign(parity, i) * part[parity][lane]).sum();
+                    let even = even[lane];
                     let odd = w.x * vector[0][lane] + w.y * vector[1][lane] + w.z * vector[2][lane];
                     out[image][lane] = (scale * (even + odd)).max(0.0);
                     out[2 * side - 1 - image][lane] = (scale * (even - odd)).max(0.0);
@@ -169,31 +168,35 @@ fn add(a: &Lanes, b: &Lanes) -> Lanes {
     std::array::from_fn(|lane| a[lane] + b[lane])
 }
 
-/// Dense product, three rows at a time so that the sums stay in registers.
+/// Σ signᵢ · partᵢ.
+fn combined(signs: [f32; 4], parts: [&Lanes; 4]) -> Lanes {
+    std::array::from_fn(|lane| {
+        signs[0] * parts[0][lane]
+            + signs[1] * parts[1][lane]
+            + signs[2] * parts[2][lane]
+            + signs[3] * parts[3][lane]
+    })
+}
+
+/// Dense product, a few rows and one channel at a time so that the sums stay in registers.
 fn product(kernel: &[f32], data: &[Lanes], out: &mut [Lanes]) {
-    const ROWS: usize = 3;
+    const ROWS: usize = 4;
     let columns = data.len();
     for (rows, out) in kernel.chunks(ROWS * columns).zip(out.chunks_mut(ROWS)) {
-        if out.len() == ROWS {
-            let (r0, rest) = rows.split_at(columns);
-            let (r1, r2) = rest.split_at(columns);
-            let mut sums = [[0.0f32; LANES]; ROWS];
-            for (((d, k0), k1), k2) in data.iter().zip(r0).zip(r1).zip(r2) {
-                for lane in 0..LANES {
-                    sums[0][lane] = k0.mul_add(d[lane], sums[0][lane]);
-                    sums[1][lane] = k1.mul_add(d[lane], sums[1][lane]);
-                    sums[2][lane] = k2.mul_add(d[lane], sums[2][lane]);
+        // The last rows may be fewer: they are computed as often as there is room, and kept once.
+        let row: [&[f32]; ROWS] = std::array::from_fn(|r| &rows[r.min(out.len() - 1) * columns..][..columns]);
+        for first in (0..LANES).step_by(BLOCK) {
+            let mut sums = [[Vec4::ZERO; 2]; ROWS];
+            for (i, lanes) in data.iter().enumerate() {
+                let [a, b] = [Vec4::from_slice(&lanes[first..]), Vec4::from_slice(&lanes[first + 4..])];
+                for (sum, row) in sums.iter_mut().zip(row) {
+                    let k = Vec4::splat(row[i]);
+                    *sum = [k.mul_add(a, sum[0]), k.mul_add(b, sum[1])];
                 }
             }
-            out.copy_from_slice(&sums);
-        } else {
-            for (row, out) in rows.chunks(columns).zip(out) {
-                *out = [0.0; LANES];
-                for (d, k) in data.iter().zip(row) {
-                    for lane in 0..LANES {
-                        out[lane] = k.mul_add(d[lane], out[lane]);
-                    }
-                }
+            for (out, sum) in out.iter_mut().zip(sums) {
+                sum[0].write_to_slice(&mut out[first..]);
+                sum[1].write_to_slice(&mut out[first + 4..]);
             }
         }
     }

@@ -206,7 +206,7 @@ impl IrradianceVolume {
 
     #[inline(always)]
     fn of_harmonics(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
-        harmonics::evaluate(self.tables.harmonics.of(part), ids, weights, &harmonics::towards(normal))
+        harmonics::evaluate(self.tables.harmonics().of(part), ids, weights, &harmonics::towards(normal))
     }
 
     #[inline(always)]

@@ -242,7 +242,7 @@ impl RadiositySolution {
         };
         let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
         if settings.smoothing > 0.0 {
-            let variances = smooth::variances(&transport, &radiosity);
+            let variances = smooth::variances(&transport, &radiosity, &gathered);
             indirect = smooth::smooth(&transport, &gathered, &variances, settings.smoothing);
             transport.fill(&mut indirect);
             radiosity = reflected(&indirect);

@@ -8,7 +8,8 @@
 //! and Manduchi (1998) with a width that is measured, not chosen. In the office it does more than four
 //! times the rays. Not more rays where it is rough: the noise falls with their root only.
 //!
-//! Limits: vertex elements are left as they are, and a true difference below the noise is blurred.
+//! Limits: vertex elements are left as they are, a true difference below the noise is blurred, and the
+//! light of two lamps together is the sum of their lights only to within the noise.
 
 use super::{gather::Transport, surface_map::UNSOLVED};
 use crate::math::colour::luminance;
@@ -18,16 +19,18 @@ use rayon::prelude::*;
 /// Binomial weights at 0, 1 and 2 nodes of distance.
 const BINOMIAL: [f32; 3] = [6.0, 4.0, 1.0];
 
-/// Variance of the mean over each element's hits of the luminance of `values`, one value an element.
-pub fn variances(transport: &Transport, values: &[Vec3]) -> Vec<f32> {
+/// Variance of the mean over each element's hits of the luminance of `values`, one value an element;
+/// `means` are the means themselves.
+pub fn variances(transport: &Transport, values: &[Vec3], means: &[Vec3]) -> Vec<f32> {
     let padded: Vec<f32> = values.iter().map(|v| luminance(*v)).chain(std::iter::once(0.0)).collect();
     let n = transport.rays.max(1) as usize;
     transport
         .hits
         .par_chunks(n)
+        .zip(means)
         .with_min_len(64)
-        .map(|row| {
-            let mean = row.iter().fold(0.0, |sum, &hit| sum + padded[hit as usize]) / n as f32;
+        .map(|(row, mean)| {
+            let mean = luminance(*mean);
             let squares = row.iter().fold(0.0, |sum, &hit| {
                 let d = padded[hit as usize] - mean;
                 sum + d * d

@@ -38,6 +38,8 @@ pub struct AreaEmitter {
     pub triangles: Vec<u32>,
     /// Area up to and including each triangle, m².
     pub cumulative_area: Vec<f32>,
+    /// Centre of a sphere around them, m, and its radius, m.
+    pub bounds: (Vec3, f32),
     /// Whether they emit from the back too.
     pub double_sided: bool,
     /// Whether a texture varies the radiance.
@@ -95,10 +97,17 @@ impl Emitters {
                 if triangles.is_empty() {
                     continue;
                 }
+                let corners = || triangles.iter().flat_map(|&t| geometry.positions[t as usize]);
+                let (low, high) =
+                    corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+                let centre = 0.5 * (low + high);
+                let radius = corners().map(|p| p.distance(centre)).fold(0.0, f32::max);
+                let bounds = (centre, radius);
                 list.push(Emitter::Area(AreaEmitter {
                     object: object as u32,
                     triangles,
                     cumulative_area,
+                    bounds,
                     double_sided: material.double_sided,
                     textured: material.emission_texture.is_some(),
                     radiance: material.emission * geometry.dimmer[object],
