@@ -94,6 +94,40 @@ fn probe_and_volume_leave_files_that_open() {
 }
 
 #[test]
+fn a_volume_is_built_and_asked_as_wished() {
+    let (_keep, out) = folder();
+    let boxed = scene("analytic/closed_box.ron");
+    let file = out.join("box.volume");
+    let wished = ["--basis", "harmonics", "--repair", "relocate", "--guard", "--moments", "2,inf"];
+    let more = ["--compare-bases", "--queries", "1000"];
+    run(&[&["volume", &boxed, "--out", text(&file)][..], &wished, &more].concat()).unwrap();
+    let volume = lumenscope_core::irradiance_volume::IrradianceVolume::load(&file).unwrap();
+    let settings = serde_json::to_value(volume.settings()).unwrap();
+    assert_eq!(settings["basis"], "harmonics");
+    assert_eq!((&settings["repair"], &settings["guard"]), (&"relocate".into(), &true.into()));
+    assert_eq!(volume.orders().len(), 3);
+    let wrong = run(&["volume", &boxed, "--out", text(&file.join("no")), "--queries", "1"]).unwrap_err();
+    assert!(wrong.contains("box.volume"), "{wrong}");
+
+    let wall = scene("analytic/bright_wall_x.ron");
+    let options = ["--at", "0,0.5,0", "--out", text(&out), "--bins", "578", "--moment", "2"];
+    run(&[&["probe", &wall][..], &options].concat()).unwrap();
+    let report = fs::read_to_string(out.join("probe.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["moment_order"], "2");
+    // Order 2 is narrower than irradiance: nearer to πL = 3.14 lx towards a wall that fills its lobe.
+    let towards = |of: &serde_json::Value| of["+x"].as_f64().unwrap();
+    assert!(towards(&report["moment_lx"]) > 1.05 * towards(&report["irradiance_lx"]["all"]));
+    assert!(out.join("moment.exr").exists() && out.join("moment_lobe.png").exists());
+
+    let office = scene("cornell/cornell.ron");
+    let size = ["--size", "24x16", "--frames", "1", "--moment", "10"];
+    run(&[&["render", &office, "--out", text(&out)][..], &size].concat()).unwrap();
+    let refused = run(&[&["render", &office, "--out", text(&out), "--backend", "gpu"][..], &size].concat());
+    assert!(refused.unwrap_err().contains("CPU"));
+}
+
+#[test]
 fn placement_writes_numbers_a_table_and_a_map_and_warns() {
     let (_keep, out) = folder();
     let point = scene("analytic/point_over_floor.ron");

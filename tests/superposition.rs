@@ -145,7 +145,8 @@ fn frames_accumulate_to_a_fine_one() {
     let solution = solved(cornell());
     let camera = solution.scene.camera;
     let frame = |rays, frame| {
-        let settings = PassSettings { direct: DirectQuality::PerPixel(rays), frame, jitter: false, seed: 3 };
+        let settings =
+            PassSettings { direct: DirectQuality::PerPixel(rays), frame, seed: 3, ..PassSettings::default() };
         render(&solution, &camera, 40, 32, &settings).1
     };
     let fine = frame(4096, 0);

@@ -192,7 +192,7 @@ fn the_running_mean_is_the_accumulators() {
         let settings =
             FrameSettings { frame_index: frame, accumulate: true, ..frame_settings(camera, direct) };
         gpu.frame(&settings);
-        let settings = PassSettings { direct, frame, jitter: true, seed: 1 };
+        let settings = PassSettings { direct, frame, jitter: true, ..PassSettings::default() };
         let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
         for (d, (a, b)) in differing.iter_mut().zip(gpu.triangles().iter().zip(&buffer.triangle)) {
             *d |= a != b;

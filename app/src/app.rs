@@ -184,7 +184,7 @@ impl LumenscopeApp {
             match news {
                 News::Loaded(loaded) => self.take_scene(ctx, *loaded),
                 News::Solution(solution) => {
-                    self.session.solution = Some(solution);
+                    self.session.take_light(solution);
                     self.lit = Some(Instant::now());
                     self.carry_out(ctx, Effect::Probe);
                     self.carry_out(ctx, Effect::Inspect);

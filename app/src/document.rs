@@ -3,6 +3,7 @@
 use crate::placement::Placement;
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    irradiance_volume::{inspect::ColourBy, moments::Order},
     math::part::Part,
     scene::{Scene, Target, camera::Camera, file::PlanOverrides},
     superposition::composite::{DirectQuality, Display},
@@ -98,6 +99,7 @@ pub enum Against {
 
 /// The volume shown as spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct VolumeView {
     /// Whether it is shown.
     pub shown: bool,
@@ -119,6 +121,10 @@ pub struct VolumeView {
     /// What it is compared with.
     #[serde(default)]
     pub against: Against,
+    /// What the spheres are coloured by.
+    pub colour_by: ColourBy,
+    /// Order of the moment that is shown, where the volume holds it.
+    pub moment: Order,
 }
 
 impl Default for VolumeView {
@@ -133,6 +139,8 @@ impl Default for VolumeView {
             slice: None,
             ignored: BTreeSet::new(),
             against: Against::Ignoring,
+            colour_by: ColourBy::Light,
+            moment: Order::IRRADIANCE,
         }
     }
 }

@@ -155,11 +155,13 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
     let (low, high) = request.solution.world.geometry.bounds();
     let shown = &request.volume;
     let volume = volume_inspect::VolumeView {
+        colour_by: shown.colour_by,
+        moment: shown.moment,
         quantity: if shown.radiance { Quantity::Radiance } else { Quantity::Irradiance },
         part: shown.part,
         first_level: shown.first_level,
         second_level: shown.second_level,
-        invalid: false,
+        invalid: shown.colour_by == volume_inspect::ColourBy::Validity,
         size: shown.size,
         slice: shown.slice.map(|(axis, share)| {
             let a = usize::from(axis.min(2));

@@ -57,6 +57,8 @@ pub struct Session {
     pub log: Journal,
     /// The scene for each list of added models that undo and redo can come back to.
     bases: Vec<(Vec<PathBuf>, Arc<Scene>)>,
+    /// Moved objects that were said to lie outside the irradiance volume.
+    outside: Vec<u32>,
     saved: Edits,
 }
 
@@ -147,6 +149,28 @@ impl Session {
         let list = &solution.world.emitters.list;
         let flux: f32 = list.iter().filter(|e| e.target() == target).map(|e| e.flux()).sum();
         if was == is { Some(flux) } else { (was > 0.0).then(|| flux * is / was) }
+    }
+
+    /// Takes better light. An object moved out of the irradiance volume is named once, until it comes back.
+    pub fn take_light(&mut self, light: Arc<LightTransportSolution>) {
+        let mut outside = Vec::new();
+        if let Some(volume) = &light.volume {
+            let geometry = &light.world.geometry;
+            for &object in &light.moved_objects {
+                let range = geometry.object_triangles[object as usize].clone();
+                let corners = range.flat_map(|t| geometry.positions[t as usize]);
+                let Some(metres) = volume.beyond(corners) else { continue };
+                outside.push(object);
+                if !self.outside.contains(&object) {
+                    let name = light.scene.objects.get(object as usize).map_or("object", |o| o.name.as_str());
+                    self.log.warn(format!(
+                        "{name} reaches {metres:.2} m outside the irradiance volume: the nearest samples light it there"
+                    ));
+                }
+            }
+        }
+        self.outside = outside;
+        self.solution = Some(light);
     }
 
     /// Marks the document as written to `file`.

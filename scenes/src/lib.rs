@@ -13,6 +13,7 @@ pub mod pictures;
 pub mod random;
 pub mod shapes;
 pub mod wall;
+pub mod walls;
 
 use std::path::PathBuf;
 
@@ -22,5 +23,6 @@ pub fn generate() -> Vec<(PathBuf, Vec<u8>)> {
     files.extend(office::files());
     files.extend(cornell::files());
     files.extend(analytic::files());
+    files.extend(walls::files());
     files
 }

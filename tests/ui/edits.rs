@@ -8,6 +8,7 @@ use lumenscope::{
     session::View,
 };
 use lumenscope_core::{
+    irradiance_volume::{Basis, inspect::ColourBy, moments::Order},
     scene::{Target, file::PlanOverrides},
     superposition::plan::Component,
 };
@@ -160,4 +161,52 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
     let file = window.folder.path().join("planned.lumenscope");
     window.run(Command::SaveSession(file.clone()));
     assert_eq!(lumenscope::session_file::read(&file).unwrap().edits.plan, Some(wanted));
+}
+
+#[test]
+fn how_the_volume_is_asked_changes_without_new_rays() {
+    let mut window = Window::on_room();
+    let volume = |w: &Window| w.app().session().solution.as_ref().unwrap().volume.clone().unwrap();
+    let before = volume(&window);
+    let plan = PlanOverrides {
+        volume_basis: Some(Basis::Harmonics),
+        volume_guard: Some(true),
+        volume_moments: Some(vec![Order::Finite(10)]),
+        ..window.scene().plan.clone()
+    };
+    window.run(Command::Plan(plan));
+    window.wait_lit();
+    let after = volume(&window);
+    assert_eq!((after.settings().basis, after.settings().guard), (Basis::Harmonics, true));
+    assert_eq!(after.orders(), [Order::Finite(1), Order::Finite(10)]);
+    assert_eq!(after.samples(), before.samples());
+
+    let mut view = window.view().clone();
+    view.volume.shown = true;
+    view.volume.moment = Order::Finite(10);
+    window.run(Command::View(Box::new(view.clone())));
+    window.wait("the moments", |app| {
+        let legend = app.session().inspection.as_ref().and_then(|i| i.legend.clone());
+        legend.is_some_and(|l| l.quantity == "moment of order 10")
+    });
+    view.volume.colour_by = ColourBy::Validity;
+    window.run(Command::View(Box::new(view)));
+    window.wait("validity", |app| {
+        let legend = app.session().inspection.as_ref().and_then(|i| i.legend.clone());
+        legend.is_some_and(|l| l.quantity.contains("relocated") && l.range == [0.0, 3.0])
+    });
+    window.run(Command::Undo);
+    window.wait_lit();
+    assert_eq!(volume(&window).settings().basis, Basis::Bins);
+}
+
+#[test]
+fn an_object_dragged_out_of_the_volume_is_named_in_the_log() {
+    let mut window = Window::on_room();
+    let placement = glam::Affine3A::from_translation(glam::Vec3::X * 9.0);
+    let block = window.scene().objects.iter().position(|o| o.name.contains("block")).unwrap();
+    window.run(Command::Place { target: Target::Object(block), placement, dragging: true });
+    window.wait("the notice", |app| {
+        app.session().log.lines().iter().any(|l| l.text.contains("outside the irradiance volume"))
+    });
 }

@@ -33,6 +33,13 @@ fn the_spheres_are_seen_at_every_resolution_as_plots_lobes_and_files() {
     window.keep("resolutions");
     window.harness.get_by_label("finest");
 
+    window.click("Moments");
+    window.harness.run_steps(3);
+    window.keep("moments");
+    for order in ["1", "100", "∞"] {
+        window.harness.get_by_label(&format!("moment of order {order}"));
+    }
+
     let file = window.folder.path().join("spheres.exr");
     window.run(Command::ExportProbe(file.clone()));
     let layers = lumenscope_core::io::exr::read_layers(&file).unwrap();

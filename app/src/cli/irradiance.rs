@@ -3,6 +3,7 @@
 use super::{
     Common, solve,
     table::{self, Column, PointRow},
+    volume_options::VolumeOptions,
 };
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -40,6 +41,8 @@ pub struct Options {
     /// Paths a point, for the reference.
     #[arg(long, default_value_t = 4096)]
     spp: u32,
+    #[command(flatten)]
+    volume: VolumeOptions,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -81,7 +84,7 @@ const ON_SURFACE_M: f32 = 0.01;
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let points = table::read_points(&options.points)?;
-    let loaded = solve::load(&options.scene, common)?;
+    let mut loaded = solve::load(&options.scene, common)?;
     let part = Part::from(options.part);
     let columns = match options.method {
         Method::Reference => {
@@ -92,6 +95,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             rgb_columns(&radiosity(&solution, &points, part)?)
         }
         Method::Volume => {
+            options.volume.apply(loaded.plan.volume_settings());
             let solution = solve::solve(&loaded, true)?;
             let volume = solution.volume.context("the plan built no volume")?;
             rgb_columns(

@@ -6,9 +6,10 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::{Mat3, Vec3};
 use lumenscope_core::{
-    io::{png::write_png, probe::write_probe},
+    io::{exr, png::write_png, probe::write_probe},
     irradiance_volume::{
         lobe,
+        moments::Order,
         probe::{Probe, Quantity},
     },
     math::{
@@ -49,6 +50,9 @@ pub struct Options {
     /// irradiance of each is from the finest.
     #[arg(long)]
     resolutions: bool,
+    /// Order of the moment that `moment.png`, `moment_lobe.png` and `moment.exr` show besides: 1 to 10000, or inf.
+    #[arg(long)]
+    moment: Option<Order>,
 }
 
 /// Part of the light.
@@ -98,18 +102,51 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     }
     let finer: Vec<Probe> =
         if options.resolutions { ROWS.into_iter().map(at).collect::<Result<_, _>>()? } else { Vec::new() };
-    let report = report(options, &probe, &finer);
+    let mut report = report(options, &probe, &finer);
+    if let Some(order) = options.moment {
+        report["moment_order"] = serde_json::json!(order);
+        report["moment_lx"] = moment(options, &probe, order)?.into();
+    }
     let text = serde_json::to_string_pretty(&report)?;
     println!("{text}");
     solve::write(&options.out.join("probe.json"), &text)
 }
 
 fn pictures(options: &Options, probe: &Probe, quantity: Quantity) -> anyhow::Result<()> {
-    let (part, channel) = (options.part.part(), options.channel.channel());
-    let values = probe.values(quantity, part);
+    let values = probe.values(quantity, options.part.part());
     let sphere = SphereValues { bins: probe.bins, values: &values };
+    sphere_and_lobe(options, quantity.name(), &sphere)?;
+    let svg = radial_svg::draw(&sphere, quantity, options.channel.channel(), options.smooth);
+    solve::write(&options.out.join(format!("{}_radial.svg", quantity.name())), &svg)
+}
+
+/// The sphere of a moment as pictures and as an EXR of its bins; its luminance along the axes, lx.
+fn moment(
+    options: &Options,
+    probe: &Probe,
+    order: Order,
+) -> anyhow::Result<serde_json::Map<String, serde_json::Value>> {
+    let values = probe.moment(order, options.part.part());
+    let bins = probe.bins;
+    sphere_and_lobe(options, "moment", &SphereValues { bins, values: &values })?;
+    let side = (bins.n() * bins.n()) as usize;
+    let half = |first: usize| LinearImage {
+        width: bins.n(),
+        height: bins.n(),
+        pixels: values[first..first + side].to_vec(),
+    };
+    let note =
+        format!("moment of order {}, lx, {} bins at {} m", String::from(order), bins.len(), options.at);
+    let layers = [("upper", &half(0)), ("lower", &half(side))];
+    exr::write_layers(&options.out.join("moment.exr"), &layers, &note)?;
+    Ok(along_axes(bins, &values))
+}
+
+fn sphere_and_lobe(options: &Options, name: &str, sphere: &SphereValues) -> anyhow::Result<()> {
+    let channel = options.channel.channel();
+    let values = sphere.values;
     let side = PIXELS as u32;
-    let file = |end: &str| options.out.join(format!("{}{end}", quantity.name()));
+    let file = |end: &str| options.out.join(format!("{name}{end}"));
     // Exposed for the bins themselves: each covers as much of the sphere as any other.
     let shown = LinearImage {
         width: values.len() as u32,
@@ -123,12 +160,10 @@ fn pictures(options: &Options, probe: &Probe, quantity: Quantity) -> anyhow::Res
     };
     let ball = sphere.ball(Mat3::IDENTITY, PIXELS, options.smooth, colour);
     write_png(&file(".png"), side, side, &on_black(ball))?;
-    let mesh = lobe::lobe(&sphere, options.smooth, |v| channel.measure(v));
+    let mesh = lobe::lobe(sphere, options.smooth, |v| channel.measure(v));
     let reach = values.iter().map(|v| channel.measure(*v)).fold(0.0f32, f32::max);
     let picture = lobe::picture(&mesh, looking_from(LOBE_SIDE), PIXELS, reach, colour);
-    write_png(&file("_lobe.png"), side, side, &on_black(picture))?;
-    let svg = radial_svg::draw(&sphere, quantity, channel, options.smooth);
-    solve::write(&file("_radial.svg"), &svg)
+    Ok(write_png(&file("_lobe.png"), side, side, &on_black(picture))?)
 }
 
 fn on_black(pixels: Vec<[u8; 4]>) -> Vec<[u8; 4]> {
@@ -142,7 +177,8 @@ pub fn looking_from(side: Vec3) -> Mat3 {
     Mat3::from_cols(right, towards.cross(right), towards)
 }
 
-fn report(options: &Options, probe: &Probe, finer: &[Probe]) -> serde_json::Value {
+/// Luminance of the values towards the six ends of the axes.
+fn along_axes(bins: DirectionBins, values: &[Vec3]) -> serde_json::Map<String, serde_json::Value> {
     let axes = [
         ("+x", Vec3::X),
         ("-x", Vec3::NEG_X),
@@ -151,13 +187,13 @@ fn report(options: &Options, probe: &Probe, finer: &[Probe]) -> serde_json::Valu
         ("+z", Vec3::Z),
         ("-z", Vec3::NEG_Z),
     ];
+    let of = |d: Vec3| serde_json::json!(luminance(values[bins.bin(d)]));
+    axes.iter().map(|(name, d)| ((*name).to_owned(), of(*d))).collect()
+}
+
+fn report(options: &Options, probe: &Probe, finer: &[Probe]) -> serde_json::Value {
     let bins: DirectionBins = probe.bins;
-    let at = |part: Part| {
-        let values = probe.irradiance(part);
-        axes.iter()
-            .map(|(name, d)| ((*name).to_owned(), serde_json::json!(luminance(values[bins.bin(*d)]))))
-            .collect::<serde_json::Map<_, _>>()
-    };
+    let at = |part: Part| along_axes(bins, &probe.irradiance(part));
     let mut report = serde_json::json!({
         "at_m": options.at.to_array(), "bins": options.bins, "bin_sr": bins.solid_angle(),
         "irradiance_lx": { "all": at(Part::All), "direct": at(Part::Direct), "indirect": at(Part::Indirect) },

@@ -1,7 +1,7 @@
 //! Counts and figures of a solution as JSON.
 
 use lumenscope_core::{
-    irradiance_volume::{IrradianceVolume, harmonics::Coefficients},
+    irradiance_volume::{IrradianceVolume, harmonics::Coefficients, trust::SampleState},
     math::part::Part,
     radiosity::RadiositySolution,
 };
@@ -29,6 +29,12 @@ pub fn volume(volume: &IrradianceVolume) -> Value {
         "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),
         "harmonics_bytes_one_part": size_of::<Coefficients>() * samples.len(),
         "basis": volume.settings().basis,
+        "moments": volume.orders(),
+        "guard": volume.settings().guard,
+        "samples_by_state": SampleState::ALL
+            .map(|state| (state.name(), samples.iter().filter(|s| s.state == state).count()))
+            .into_iter()
+            .collect::<std::collections::BTreeMap<_, _>>(),
         "bytes": volume.bytes(),
     })
 }

@@ -7,12 +7,13 @@ use crate::{
     command::{Command, Window as WindowCommand},
     examples::Example,
     placement::{PLACEMENT, Placement, Site},
-    session::{Compare, Document, View},
+    session::{Compare, Document, View, VolumeView},
 };
 use anyhow::{Context, anyhow, bail};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    irradiance_volume::inspect::ColourBy,
     math::{false_colour::FalseColour, part::Part},
     scene::Target,
 };
@@ -56,6 +57,8 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.wait("every resolution", |app| !app.session().resolutions.is_empty() && !app.is_busy())?;
     tour.photograph("resolutions", GRAIN)?;
     tour.click("Smooth");
+    tour.click("Moments");
+    tour.photograph("moments", GRAIN)?;
     tour.click("Radial plots");
     tour.view(|view| view.probe = None);
     tour.click("Plan");
@@ -75,6 +78,13 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     });
     tour.wait("the slice", |app| !app.is_busy())?;
     tour.photograph("volume_slice", GRAIN)?;
+    tour.view(|view| *view = View { camera: view.camera, ..View::default() });
+
+    tour.view(|view| {
+        view.volume =
+            VolumeView { shown: true, colour_by: ColourBy::Validity, size: 0.12, ..VolumeView::default() };
+    });
+    tour.photograph("volume_validity", GRAIN)?;
     tour.view(|view| *view = View { camera: view.camera, ..View::default() });
 
     for id in ["radiosity.elements", "radiosity.irradiance", "irradiance_volume.grid"] {

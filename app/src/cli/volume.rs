@@ -3,8 +3,13 @@
 use super::{Common, report, solve, volume_options::VolumeOptions, volume_table};
 use anyhow::{Context, bail};
 use clap::Args;
-use lumenscope_core::{irradiance_volume::ignored::Ignored, math::part::Part, scene::Scene};
-use std::{path::PathBuf, sync::Arc};
+use glam::Vec3;
+use lumenscope_core::{
+    irradiance_volume::{Basis, IrradianceVolume, ignored::Ignored},
+    math::{frame::uniform_direction, part::Part, random::Rng},
+    scene::Scene,
+};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `volume`.
 #[derive(Args)]
@@ -32,6 +37,9 @@ pub struct Options {
     /// Compare every basis with the exact sum over the radiance bins, at up to 500 samples and 40 normals each.
     #[arg(long)]
     compare_bases: bool,
+    /// Time this many queries at random points and normals on one thread, in every basis.
+    #[arg(long)]
+    queries: Option<usize>,
     #[command(flatten)]
     volume: VolumeOptions,
 }
@@ -83,6 +91,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         }
         printed["basis_errors"] = serde_json::to_value(std::collections::BTreeMap::from(errors))?;
     }
+    if let Some(count) = options.queries {
+        printed["queries_per_second"] = rates(&volume, count.max(1), common.seed);
+    }
     println!("{}", serde_json::to_string_pretty(&printed)?);
     Ok(())
 }
@@ -108,4 +119,47 @@ fn ignored(scene: &Scene, names: &[String]) -> anyhow::Result<Ignored> {
         ignored.materials.extend(materials);
     }
     Ok(ignored)
+}
+
+/// Repetitions of which the quickest counts: the others were disturbed.
+const REPEATED: u32 = 5;
+
+/// Queries a second on one thread, in batches and one by one.
+fn rates(volume: &IrradianceVolume, count: usize, seed: u64) -> serde_json::Value {
+    let (low, high) = volume.grid().bounds();
+    let queries: Vec<(Vec3, Vec3)> = (0..count as u64)
+        .map(|i| {
+            let mut rng = Rng::new(seed, i);
+            let at = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            (low + (high - low) * at, uniform_direction(rng.next_vec2()))
+        })
+        .collect();
+    let mut answers = vec![Vec3::ZERO; count];
+    let mut rate = |ask: &dyn Fn(&mut [Vec3])| {
+        let seconds = (0..REPEATED).map(|_| {
+            let start = Instant::now();
+            ask(&mut answers);
+            start.elapsed().as_secs_f64()
+        });
+        count as f64 / seconds.fold(f64::INFINITY, f64::min)
+    };
+    let mut rows = serde_json::Map::new();
+    for basis in Basis::ALL {
+        let volume = volume.with_basis(basis);
+        let batch = rate(&|out| volume.irradiance_batch(&queries, Part::Indirect, out));
+        let single = rate(&|out| {
+            for ((p, n), out) in queries.iter().zip(out) {
+                *out = volume.irradiance(*p, *n, Part::Indirect);
+            }
+        });
+        let row = serde_json::json!({ "batch": batch.round(), "one_by_one": single.round() });
+        eprintln!(
+            "{:<20}{:>7.1} M/s in batches{:>7.1} M/s one by one",
+            basis.name(),
+            batch / 1e6,
+            single / 1e6
+        );
+        rows.insert(basis.name().into(), row);
+    }
+    rows.into()
 }

@@ -1,14 +1,14 @@
 //! How the irradiance volume is built and asked: options that several subcommands share.
 
 use clap::{Args, ValueEnum};
-use lumenscope_core::irradiance_volume::{Basis, VolumeSettings};
+use lumenscope_core::irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair};
 
 /// Options of the irradiance volume.
 #[derive(Args, Clone)]
 pub struct VolumeOptions {
     /// What queries of the irradiance volume read.
-    #[arg(long, value_enum, default_value_t = BasisName::Bins)]
-    basis: BasisName,
+    #[arg(long, value_enum)]
+    basis: Option<BasisName>,
     /// Rows and columns of direction bins a hemisphere.
     #[arg(long)]
     bins_n: Option<u32>,
@@ -24,6 +24,15 @@ pub struct VolumeOptions {
     /// Divide the cells in which interpolation errs by more than this share, instead of those with geometry.
     #[arg(long)]
     refine_tolerance: Option<f32>,
+    /// Orders of moments kept beside the irradiance, such as 2,4,10,100,inf.
+    #[arg(long, value_delimiter = ',')]
+    moments: Vec<Order>,
+    /// What is done with volume samples inside solids.
+    #[arg(long, value_enum)]
+    repair: Option<RepairName>,
+    /// Volume queries use only samples that see the point: no light through thin walls.
+    #[arg(long)]
+    guard: bool,
 }
 
 /// [`Basis`] by its name on the command line.
@@ -37,19 +46,43 @@ enum BasisName {
     Harmonics,
 }
 
+/// [`Repair`] by its name on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum RepairName {
+    /// Left out; their neighbours share their weight.
+    Mask,
+    /// Filled with the light of the valid samples beside them.
+    Dilate,
+    /// Moved to the nearest free point within half a cell.
+    Relocate,
+}
+
 impl VolumeOptions {
-    /// Settings with these options taken over.
+    /// Takes over the options that were given; the others stay as planned.
     pub fn apply(&self, settings: &mut VolumeSettings) {
-        settings.basis = match self.basis {
-            BasisName::Bins => Basis::Bins,
-            BasisName::NearestBin => Basis::NearestBin,
-            BasisName::Harmonics => Basis::Harmonics,
-        };
         let take = |into: &mut u32, from: Option<u32>| *into = from.unwrap_or(*into);
         take(&mut settings.bins_n, self.bins_n);
         take(&mut settings.target_samples, self.target_samples);
         take(&mut settings.supersample, self.supersample);
         take(&mut settings.informed_rays, self.informed_rays);
         settings.refine_tolerance = self.refine_tolerance.or(settings.refine_tolerance);
+        if let Some(basis) = self.basis {
+            settings.basis = match basis {
+                BasisName::Bins => Basis::Bins,
+                BasisName::NearestBin => Basis::NearestBin,
+                BasisName::Harmonics => Basis::Harmonics,
+            };
+        }
+        if let Some(repair) = self.repair {
+            settings.repair = match repair {
+                RepairName::Mask => Repair::Mask,
+                RepairName::Dilate => Repair::Dilate,
+                RepairName::Relocate => Repair::Relocate,
+            };
+        }
+        if !self.moments.is_empty() {
+            settings.moments.clone_from(&self.moments);
+        }
+        settings.guard |= self.guard;
     }
 }

@@ -3,7 +3,7 @@
 use crate::{command::Command, session::Session};
 use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 use lumenscope_core::{
-    irradiance_volume::VolumeSettings,
+    irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     radiosity::{RadiositySettings, surface_map::ElementLayout},
     scene::file::PlanOverrides,
     superposition::plan::{Component, ExpectedError, PlanLine},
@@ -185,8 +185,70 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
                 usual.bins_n,
                 1..=64,
             );
+            choice(ui, "Basis", BASIS, &mut over.volume_basis, Basis::ALL.map(|b| (b, b.name())));
+            let repairs = Repair::ALL.map(|r| (r, r.name()));
+            choice(ui, "Samples in solids", REPAIR, &mut over.volume_repair, repairs);
+            choice(ui, "Guard", GUARD, &mut over.volume_guard, [(true, "on"), (false, "off")]);
+            moments(ui, &mut over.volume_moments);
         }
     }
+}
+
+const BASIS: &str = "What a query reads: 2n² bins, bilinear or the nearest, or nine spherical-harmonic \
+                     coefficients E_lm = A_l L_lm. Nothing is traced again";
+const REPAIR: &str = "Mask: neighbours share their weight. Dilate: they take their neighbours' light. \
+                      Relocate: they move to free air within half a cell";
+const GUARD: &str = "Queries use only samples that see the point past what stands still: no light through \
+                     thin walls";
+
+/// One of a few named values.
+fn choice<T: Copy + PartialEq, const N: usize>(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    value: &mut Option<T>,
+    choices: [(T, &'static str); N],
+) {
+    row_of(
+        ui,
+        name,
+        hint,
+        value,
+        || choices[0].0,
+        |ui, value| {
+            let shown = choices.iter().find(|c| c.0 == *value).map_or("", |c| c.1);
+            let id = ("plan", name);
+            egui::ComboBox::from_id_salt(id).selected_text(shown).show_ui(ui, |ui| {
+                for (choice, text) in choices {
+                    ui.selectable_value(value, choice, text);
+                }
+            });
+        },
+    );
+}
+
+/// Orders of moments that the volume holds, of those in the thesis.
+fn moments(ui: &mut Ui, held: &mut Option<Vec<Order>>) {
+    ui.label("Moments").on_hover_text(
+        "Orders kept beside the irradiance, for glossy objects: H = (n + 1)/2 ∫ L max(0, cos)ⁿ dω, lx. Each \
+         takes as much memory again",
+    );
+    ui.label("");
+    ui.horizontal(|ui| {
+        for order in Order::THESIS.into_iter().filter(|o| *o != Order::IRRADIANCE) {
+            let mut on = held.as_ref().is_some_and(|h| h.contains(&order));
+            if ui.toggle_value(&mut on, order.to_string()).changed() {
+                let mut orders = held.take().unwrap_or_default();
+                orders.retain(|o| *o != order);
+                if on {
+                    orders.push(order);
+                }
+                orders.sort_unstable();
+                *held = (!orders.is_empty()).then_some(orders);
+            }
+        }
+    });
+    ui.end_row();
 }
 
 /// A row whose value is chosen from the scene until it is fixed.

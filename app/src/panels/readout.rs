@@ -3,6 +3,7 @@
 use super::{number, quantity};
 use crate::viewport::Pick;
 use egui::{Grid, RichText, Ui};
+use lumenscope_core::irradiance_volume::visibility::PointState;
 use std::fmt::Write as _;
 
 /// Shows the numbers at the point picked last.
@@ -52,16 +53,33 @@ pub fn show(ui: &mut Ui, pick: Option<&Pick>) {
         "The samples of the irradiance volume around this point and their trilinear weights: what would light \
          an object standing here",
     );
-    Grid::new("samples").num_columns(3).spacing([12.0, 1.0]).striped(true).show(ui, |ui| {
+    let notice = match pick.volume_state {
+        PointState::Inside => None,
+        PointState::Outside(metres) => {
+            Some(format!("{metres:.2} m outside the volume: the nearest samples answer"))
+        }
+        PointState::Borrowed => {
+            Some("no sample around sees this point: the nearest that does answers".into())
+        }
+        PointState::Unseen => Some("no sample sees this point: the volume leaves it dark".into()),
+    };
+    if let Some(notice) = notice {
+        ui.colored_label(ui.visuals().warn_fg_color, notice);
+    }
+    Grid::new("samples").num_columns(4).spacing([12.0, 1.0]).striped(true).show(ui, |ui| {
         for sample in &pick.volume_samples {
             let text = |s: String| {
                 let text = RichText::new(s).monospace();
-                if sample.valid { text } else { text.weak().strikethrough() }
+                if sample.weight > 0.0 { text } else { text.weak().strikethrough() }
             };
             ui.label(text(format!("#{}", sample.id)));
             ui.label(text(format!("{:5.1} %", sample.weight * 100.0)));
             let p = sample.position;
             ui.label(text(format!("{:.2} {:.2} {:.2} m", p.x, p.y, p.z)));
+            ui.label(if sample.seen { sample.state.name() } else { "hidden" }).on_hover_text(
+                "valid: in free air; relocated: moved out of a solid; dilated: inside a solid, filled from its \
+                 neighbours; masked: inside a solid, not used; hidden: a wall stands between it and the point",
+            );
             ui.end_row();
         }
     });
@@ -82,10 +100,11 @@ pub fn as_text(pick: &Pick) -> String {
     for sample in &pick.volume_samples {
         let _ = writeln!(
             text,
-            "volume sample {}\t{}\tm\t{}",
+            "volume sample {}\t{}\tm\t{}\t{}",
             sample.id,
             row(sample.position),
-            number(sample.weight)
+            number(sample.weight),
+            if sample.seen { sample.state.name() } else { "hidden" }
         );
     }
     text

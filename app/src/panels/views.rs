@@ -7,7 +7,12 @@ use crate::{
     session::{Session, VolumeView},
 };
 use egui::{ComboBox, Grid, Slider, Ui};
-use lumenscope_core::{inspection::InspectionScene, math::part::Part, registry::VIEWS};
+use lumenscope_core::{
+    inspection::InspectionScene,
+    irradiance_volume::{inspect::ColourBy, moments::Order},
+    math::part::Part,
+    registry::VIEWS,
+};
 use std::sync::Arc;
 
 /// Shows the views with their settings and their legend.
@@ -68,6 +73,27 @@ fn volume(ui: &mut Ui, v: &mut VolumeView) {
         ui.horizontal(|ui| {
             ui.selectable_value(&mut v.radiance, false, "irradiance");
             ui.selectable_value(&mut v.radiance, true, "radiance");
+        });
+        ui.end_row();
+        ui.label("Moment").on_hover_text(
+            "Order n of H(x, ω) = (n + 1)/2 ∫ L(x, ω') max(0, ω·ω')ⁿ dω', lx; 1 is irradiance. The volume holds \
+             others where the plan's line of the irradiance volume says so",
+        );
+        ui.horizontal(|ui| {
+            for order in Order::THESIS {
+                ui.selectable_value(&mut v.moment, order, order.to_string());
+            }
+        });
+        ui.end_row();
+        ui.label("Colour by").on_hover_text(
+            "Light: as it is, in each direction. Luminance: mean illuminance, lx. Validity: whether a sample lies \
+             in free air or was repaired. Age: changes of the light since its rays. Distance: to the nearest \
+             surface, m",
+        );
+        ComboBox::from_id_salt("colour by").selected_text(v.colour_by.name()).show_ui(ui, |ui| {
+            for choice in ColourBy::ALL {
+                ui.selectable_value(&mut v.colour_by, choice, choice.name());
+            }
         });
         ui.end_row();
         ui.label("Slice").on_hover_text("Only the samples at one height along an axis");

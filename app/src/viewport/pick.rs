@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::InspectionScene,
+    irradiance_volume::{trust::SampleState, visibility::PointState},
     math::{colour::luminance, part::Part},
     scene::{
         Target,
@@ -57,6 +58,8 @@ pub struct Pick {
     pub luminance: f32,
     /// Volume samples that light this point, heaviest first; empty without a volume.
     pub volume_samples: Vec<PickedSample>,
+    /// How far they can be trusted here.
+    pub volume_state: PointState,
 }
 
 /// One volume sample that lights a picked point.
@@ -68,8 +71,10 @@ pub struct PickedSample {
     pub position: Vec3,
     /// Its share, in [0, 1].
     pub weight: f32,
-    /// Whether it lies in open air; one inside a solid has no say.
-    pub valid: bool,
+    /// How it came to its light; a masked one has no say.
+    pub state: SampleState,
+    /// Whether it sees the point; asked in a guarded volume alone.
+    pub seen: bool,
 }
 
 /// What a glance at the point under the cursor says, cheap enough for every frame.
@@ -122,6 +127,11 @@ impl Pick {
             irradiance_indirect: indirect,
             luminance: luminance(radiance.iter().sum()),
             volume_samples: volume_samples(solution, surface.position),
+            volume_state: solution
+                .volume
+                .as_ref()
+                .map(|v| v.weights(surface.position).state)
+                .unwrap_or_default(),
         }
     }
 
@@ -211,7 +221,8 @@ fn volume_samples(solution: &LightTransportSolution, position: Vec3) -> Vec<Pick
             id: at.ids[i],
             position: volume.samples()[at.ids[i] as usize].position,
             weight: at.weights[i],
-            valid: at.valid[i],
+            state: volume.samples()[at.ids[i] as usize].state,
+            seen: at.seen[i],
         })
         .collect();
     samples.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.id.cmp(&b.id)));

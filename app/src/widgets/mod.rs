@@ -1,6 +1,7 @@
 //! Widgets that show a quantity of light: legends, spheres, plots, tables.
 
 pub mod legend;
+pub mod moments;
 pub mod number;
 pub mod placement_map;
 pub mod radial_plot;

@@ -1,7 +1,7 @@
 //! The sphere inspector: the radiance and irradiance spheres at one point, turned, plotted, unfolded, in numbers.
 
 use super::{
-    Probe, legend,
+    Probe, legend, moments,
     radial_plot::{self, Plane},
     resolutions,
     sphere_image::{self, ImageSlot, SphereValues, key},
@@ -43,6 +43,7 @@ enum Tab {
     Lobe,
     Unfolded,
     Resolutions,
+    Moments,
     Numbers,
 }
 
@@ -59,6 +60,7 @@ struct Memory {
     squares: [ImageSlot; 2],
     lobe: ImageSlot,
     resolutions: Vec<ImageSlot>,
+    moments: moments::State,
 }
 
 /// Shows the open spheres; `None` invites to click a point.
@@ -77,7 +79,7 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &Vi
         return out;
     };
     let shades = Shades::new(&light, memory.false_colour, memory.channel);
-    let shown = Opened { light: &light, shades: &shades, view, resolutions };
+    let shown = Opened { probe, light: &light, shades: &shades, view, resolutions };
     ui.separator();
     let room = ui.available_width();
     if room > 620.0 {
@@ -102,6 +104,7 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &Vi
 
 /// What is open, and how it is coloured.
 struct Opened<'a> {
+    probe: &'a Probe,
     light: &'a Light,
     shades: &'a Shades,
     view: &'a View,
@@ -257,17 +260,18 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
             (Tab::Lobe, "3-D lobe", "The radial plot of every direction at once"),
             (Tab::Unfolded, "Unfolded", "Each hemisphere as the square its bins are a grid on"),
             (Tab::Resolutions, "Resolutions", "The same point at every resolution of the thesis"),
+            (Tab::Moments, "Moments", "What glossier and glossier surfaces would see: orders 1 to ∞"),
             (Tab::Numbers, "Numbers", "Illuminance from six sides, cylindrical, scalar, vector"),
         ] {
             ui.selectable_value(&mut memory.tab, tab, name).on_hover_text(meaning);
         }
-        if !matches!(memory.tab, Tab::Numbers | Tab::Resolutions) {
+        if !matches!(memory.tab, Tab::Numbers | Tab::Resolutions | Tab::Moments) {
             ui.separator();
             ui.selectable_value(&mut memory.irradiance, false, "L").on_hover_text(RADIANCE);
             ui.selectable_value(&mut memory.irradiance, true, "E").on_hover_text(IRRADIANCE);
         }
     });
-    let Opened { light, shades, view, resolutions: probes } = *shown;
+    let Opened { probe, light, shades, view, resolutions: probes } = *shown;
     let (values, unit) =
         if memory.irradiance { (light.irradiance(), "lx") } else { (light.radiance(), "cd/m²") };
     let colour = |v: Vec3| if memory.irradiance { shades.irradiance(v) } else { shades.radiance(v) };
@@ -304,6 +308,17 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
                 colours: [&|v| shades.radiance(v), &|v| shades.irradiance(v)],
             };
             resolutions::show(ui, &mut memory.resolutions, probes, &look);
+        }
+        Tab::Moments => {
+            let look = moments::Look {
+                world_from_view: memory.turn.world_from_view(&view.camera),
+                part: view.probe_part,
+                smooth: memory.smooth,
+                light_key: light.key,
+                picture_key: key((memory.false_colour, memory.channel)),
+                colour: &|v| shades.irradiance(v),
+            };
+            moments::show(ui, &mut memory.moments, probe, &look);
         }
         Tab::Numbers => {
             value_table::show(ui, "sphere numbers", &SphereNumbers::new(&light.irradiance()).rows());

@@ -126,6 +126,11 @@ impl Met {
         }
     }
 
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.extras.len()
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let lists = |bytes: usize| bytes + size_of::<Vec<u32>>();
@@ -139,21 +144,20 @@ impl Met {
 impl Transport {
     /// Irradiance of every bin of every sample from what they see and what arrives.
     pub fn tables(&self, light: &SeenLight, arrivals: &[Arc<Arrivals>]) -> Tables {
-        let heard: Vec<&Arrivals> = light
-            .world
-            .emitters
-            .list
-            .iter()
-            .zip(arrivals)
-            .filter(|(emitter, _)| !light.ignored.holds_emitter(&light.world.geometry, emitter))
-            .map(|(_, a)| &**a)
-            .collect();
+        let heard = light.heard(arrivals);
         let met = &self.met;
         self.solver.tables(met.extras.len(), &heard, |sample, out| met.reflected(sample, light, out))
     }
 }
 
 impl SeenLight<'_> {
+    /// What arrives from the emitters that are not ignored.
+    pub fn heard<'a>(&self, arrivals: &'a [Arc<Arrivals>]) -> Vec<&'a Arrivals> {
+        let emitters = self.world.emitters.list.iter().zip(arrivals);
+        let heard = emitters.filter(|(e, _)| !self.ignored.holds_emitter(&self.world.geometry, e));
+        heard.map(|(_, a)| &**a).collect()
+    }
+
     fn element(&self, element: u32) -> Vec3 {
         self.radiance.get(element as usize).copied().unwrap_or_default()
     }

@@ -7,12 +7,14 @@ use super::{
     codec::Texel,
     directions::Directions,
     grid::{BilevelGrid, NONE},
+    moments::{MomentTable, Order},
+    trust::SampleState,
 };
 use crate::math::sphere_map::DirectionBins;
 use glam::{UVec3, Vec3};
 use std::{path::Path, sync::Arc};
 
-const MAGIC: &[u8; 8] = b"LUMVOL01";
+const MAGIC: &[u8; 8] = b"LUMVOL02";
 
 impl IrradianceVolume {
     /// Writes the volume.
@@ -33,8 +35,11 @@ impl IrradianceVolume {
         body.extend(self.grid.second().iter().map(|&s| u8::from(s != NONE)));
         for sample in self.samples() {
             body.extend(sample.back_face_fraction.to_le_bytes());
+            body.push(sample.state as u8);
+            sample.position.to_array().iter().for_each(|f| body.extend(f.to_le_bytes()));
         }
-        for table in [&self.tables.direct, &self.tables.indirect] {
+        let moments = self.tables.moments.iter().flat_map(|m| [&m.direct, &m.indirect]);
+        for table in [&self.tables.direct, &self.tables.indirect].into_iter().chain(moments) {
             for texel in table.iter() {
                 texel[..3].iter().for_each(|code| body.extend(code.to_le_bytes()));
             }
@@ -84,12 +89,11 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     let mut samples = Vec::with_capacity(grid.places().len());
     for place in grid.places() {
         let back_face_fraction = f32_of(&mut rest)?;
-        samples.push(Sample {
-            position: place.position,
-            level: place.level,
-            back_face_fraction,
-            valid: back_face_fraction <= settings.back_face_limit,
-        });
+        let [state] = array(&mut rest)?;
+        let state = *SampleState::ALL.get(usize::from(state)).ok_or(format!("a sample in state {state}"))?;
+        let position = Vec3::new(f32_of(&mut rest)?, f32_of(&mut rest)?, f32_of(&mut rest)?);
+        let valid = state != SampleState::Masked;
+        samples.push(Sample { position, level: place.level, back_face_fraction, valid, state });
     }
     grid.set_valid(&samples.iter().map(|s| s.valid).collect::<Vec<_>>());
     let bins = DirectionBins::new(settings.bins_n);
@@ -98,7 +102,11 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         let code = |t: &[u8], i: usize| u16::from_le_bytes([t[2 * i], t[2 * i + 1]]);
         Ok(raw.chunks_exact(6).map(|t| [code(t, 0), code(t, 1), code(t, 2), 0]).collect())
     };
-    let tables = Tables::new(bins, table()?, table()?);
+    let mut tables = Tables::new(bins, table()?, table()?);
+    for &order in settings.moments.iter().filter(|o| **o != Order::IRRADIANCE) {
+        let (direct, indirect) = (Arc::new(table()?), Arc::new(table()?));
+        tables.moments.push(MomentTable { order, direct, indirect });
+    }
     if !rest.is_empty() {
         return Err(format!("{} bytes too many", rest.len()));
     }
@@ -109,6 +117,10 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         directions: Arc::new(Directions::new(bins)),
         transport: None,
         arrivals: Vec::new(),
+        kernels: Arc::default(),
+        fills: Arc::default(),
+        guard: None,
+        relights: 0,
         tables,
     })
 }

@@ -102,6 +102,10 @@ impl IrradianceVolume {
             directions: Arc::new(Directions::new(bins)),
             transport: None,
             arrivals,
+            kernels: Arc::default(),
+            fills: Arc::default(),
+            guard: None,
+            relights: 0,
             tables,
         }
     }

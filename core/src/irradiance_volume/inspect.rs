@@ -5,22 +5,61 @@ use super::{
     cache::SeenLight,
     difference::Difference,
     grid::NONE,
+    moments::Order,
     probe::{Probe, Quantity},
     slice::{notes, signed_legend},
+    trust::{SampleState, seen},
 };
 use crate::{
     inspection::{InspectionScene, Legend, Line, SphereGlyph},
-    math::{colour::luminance, part::Part},
+    math::{colour::luminance, part::Part, sphere_map::DirectionBins},
     scene::world::World,
 };
 use glam::{UVec3, Vec3};
+
+/// What the colour of a sample's sphere stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ColourBy {
+    /// Its light, direction by direction.
+    #[default]
+    Light,
+    /// Its illuminance, mean over all directions, lx.
+    Luminance,
+    /// Its state: its place in [`SampleState::ALL`].
+    Validity,
+    /// How often the light changed since its rays were traced.
+    Age,
+    /// Distance to the nearest surface its rays see, m.
+    Distance,
+}
+
+impl ColourBy {
+    /// Every choice.
+    pub const ALL: [Self; 5] = [Self::Light, Self::Luminance, Self::Validity, Self::Age, Self::Distance];
+
+    /// Name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Light => "light",
+            Self::Luminance => "luminance",
+            Self::Validity => "validity",
+            Self::Age => "age",
+            Self::Distance => "distance",
+        }
+    }
+}
 
 /// Which samples are shown, and how.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct VolumeView {
     /// What the spheres are coloured by.
+    pub colour_by: ColourBy,
+    /// Radiance or irradiance.
     pub quantity: Quantity,
+    /// Order of the moment shown as irradiance; orders the volume does not hold show order 1.
+    pub moment: Order,
     /// Part of the light.
     pub part: Part,
     /// Samples of the first-level grid.
@@ -38,7 +77,9 @@ pub struct VolumeView {
 impl Default for VolumeView {
     fn default() -> Self {
         Self {
+            colour_by: ColourBy::Light,
             quantity: Quantity::Irradiance,
+            moment: Order::IRRADIANCE,
             part: Part::All,
             first_level: true,
             second_level: true,
@@ -56,13 +97,50 @@ pub fn volume_spheres(
     light: &impl SurfaceLight,
     view: &VolumeView,
 ) -> InspectionScene {
-    let seen = volume.seen(world, light).filter(|_| view.quantity == Quantity::Radiance);
-    let mut scene = spheres(volume, view, |i| match view.quantity {
-        Quantity::Irradiance => volume.sample_irradiance(i, view.part),
-        Quantity::Radiance => volume.radiance_seen(i, seen.as_ref(), view.part),
+    let radiance = view.colour_by == ColourBy::Light && view.quantity == Quantity::Radiance;
+    let seen_light = volume.seen(world, light).filter(|_| radiance);
+    let mut scene = spheres(volume, view, |i| {
+        let sample = &volume.samples()[i];
+        let one = |value: f32| vec![Vec3::splat(value); volume.bins().len()];
+        match (view.colour_by, view.quantity) {
+            (ColourBy::Light, Quantity::Irradiance) => volume
+                .sample_moment(i, view.moment, view.part)
+                .unwrap_or_else(|| volume.sample_irradiance(i, view.part)),
+            (ColourBy::Light, Quantity::Radiance) => volume.radiance_seen(i, seen_light.as_ref(), view.part),
+            (ColourBy::Luminance, _) => {
+                let values = volume.sample_irradiance(i, view.part);
+                one(values.iter().map(|v| luminance(*v)).sum::<f32>() / values.len() as f32)
+            }
+            (ColourBy::Validity, _) => one(f32::from(sample.state as u8)),
+            (ColourBy::Age, _) => one(volume.relights() as f32),
+            (ColourBy::Distance, _) => one(nearest_surface(world, sample.position)),
+        }
     });
-    scene.legend = Some(legend(view.quantity, &scene.sphere_bins));
+    scene.legend = Some(legend_of(volume, view, &scene.sphere_bins));
     scene
+}
+
+/// What the colours of [`volume_spheres`] mean.
+fn legend_of(volume: &IrradianceVolume, view: &VolumeView, values: &[Vec3]) -> Legend {
+    let mut legend = legend(view.quantity, values);
+    let named = match view.colour_by {
+        ColourBy::Light if view.quantity == Quantity::Radiance || view.moment == Order::IRRADIANCE => None,
+        ColourBy::Light if volume.orders().contains(&view.moment) => {
+            Some((format!("moment of order {}", view.moment), "lx"))
+        }
+        ColourBy::Light => Some((format!("irradiance (no moment of order {} is held)", view.moment), "lx")),
+        ColourBy::Luminance => Some(("mean illuminance of a sample".into(), "lx")),
+        ColourBy::Validity => Some(("0 valid, 1 relocated, 2 dilated, 3 masked".into(), "")),
+        ColourBy::Age => Some(("changes of the light since the rays".into(), "")),
+        ColourBy::Distance => Some(("distance to the nearest surface".into(), "m")),
+    };
+    if let Some((quantity, unit)) = named {
+        (legend.quantity, legend.unit) = (quantity, unit.to_owned());
+    }
+    if view.colour_by == ColourBy::Validity {
+        legend.range = [0.0, 3.0];
+    }
+    legend
 }
 
 /// Spheres at the samples of A, coloured by A − B for a surface that faces that way, lx, signed.
@@ -107,12 +185,28 @@ fn spheres(
         });
         scene.sphere_bins.extend(values(i));
     }
+    let states = SampleState::ALL
+        .map(|state| (state, volume.samples().iter().filter(|s| s.state == state).count()))
+        .into_iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(state, count)| format!("{count} {}", state.name()));
+    scene.notes.push(format!("samples: {}", states.collect::<Vec<_>>().join(", ")));
     scene.notes.push(format!(
         "{} of {} samples shown, {skipped} inside solids left out",
         scene.spheres.len(),
         volume.samples().len()
     ));
     scene
+}
+
+/// Distance to the nearest surface in 32 directions, m; 0 where none is seen.
+fn nearest_surface(world: &World, position: Vec3) -> f32 {
+    let bins = DirectionBins::new(4);
+    let nearest = (0..bins.len())
+        .filter_map(|b| seen(world, position, bins.centre(b)))
+        .map(|(t, _)| t)
+        .fold(f32::INFINITY, f32::min);
+    if nearest.is_finite() { nearest } else { 0.0 }
 }
 
 /// Edges of the cells of both levels.

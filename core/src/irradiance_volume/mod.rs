@@ -11,13 +11,16 @@
 //! - Rows of Eq. 4.3 are normalised, so that constant radiance reads πL exactly.
 //! - A query interpolates between four bins (a setting of the query): at n = 17 a bin is 8° wide, and
 //!   reading the nearest one costs up to 10 % on the flank of a lamp's cosine.
-//! - Samples inside solids are found by the back faces they see, and are not used while a neighbour is.
+//! - Samples inside solids are found by the back faces they see, and are left out, filled or moved, by
+//!   choice ([`trust`]).
+//! - Queries can be told to use only samples that see the point ([`visibility`]).
+//! - Several orders of moments (Eq. 4.8) live in one volume ([`moments`]).
 //! - Rays remember which surface element they met, so that new light needs no rays ([`solve`]).
 //!
 //! Limits: light is interpolated between samples, so a shadow edge is as wide as a cell, light leaks by
-//! up to a cell through thin walls, and direct light within a cell of a lamp is off. Solids modelled with
+//! up to a cell through thin walls where queries are not guarded, and direct light within a cell of a lamp is off. Solids modelled with
 //! double-sided materials have no back faces to be found by. Spherical harmonics ([`harmonics`]) are kept
-//! beside the bins, to choose from: eight times faster to ask and 36 times smaller, but bins hold any
+//! beside the bins, to choose from: several times faster to ask and 36 times smaller, but bins hold any
 //! function and show it as it is.
 
 pub mod adaptive;
@@ -35,6 +38,7 @@ pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
 pub mod lobe;
+pub mod moments;
 pub mod overlap;
 pub mod panorama;
 pub mod placement;
@@ -45,6 +49,8 @@ pub mod rays;
 pub mod settings;
 pub mod slice;
 pub mod solve;
+pub mod trust;
+pub mod visibility;
 
 pub use query::SampleWeights;
 pub use settings::{Basis, VolumeError, VolumeSettings};
@@ -64,8 +70,11 @@ use directions::Directions;
 use glam::{Vec2, Vec3};
 use grid::BilevelGrid;
 use harmonics::Harmonics;
+use moments::{MomentKernel, MomentTable};
 use rays::Patch;
 use std::sync::{Arc, OnceLock};
+use trust::{Fills, SampleState};
+use visibility::Guard;
 
 /// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -78,20 +87,29 @@ pub struct IrradianceVolume {
     transport: Option<Arc<Transport>>,
     /// What arrives from each emitter of the world.
     arrivals: Vec<Arc<Arrivals>>,
+    /// Of the orders in the settings.
+    kernels: Arc<Vec<MomentKernel>>,
+    /// Samples that hold the light of others.
+    fills: Arc<Fills>,
+    guard: Option<Guard>,
+    /// Changes of the light since the rays were traced.
+    relights: u32,
     tables: Tables,
 }
 
 /// A point where light is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Position, m.
+    /// Position, m; not the grid's where the sample was relocated.
     pub position: Vec3,
     /// 1 when it is a corner of the first-level grid, else 2.
     pub level: u8,
     /// Share of its rays that met the back of a single-sided surface.
     pub back_face_fraction: f32,
-    /// Whether queries may use it: few of its rays met backs.
+    /// Whether queries may use it: few of its rays met backs, or it was repaired.
     pub valid: bool,
+    /// How it came to its light.
+    pub state: SampleState,
 }
 
 /// Irradiance of every bin of every sample, encoded; bin b of sample s is entry s · 2n² + b.
@@ -102,15 +120,31 @@ struct Tables {
     indirect: Arc<Vec<Texel>>,
     /// The same in nine coefficients, once somebody asks: a drag lit by the bins does without.
     harmonics: Arc<OnceLock<Harmonics>>,
+    /// Moments of higher order.
+    moments: Vec<MomentTable>,
 }
 
 impl Tables {
     fn new(bins: DirectionBins, direct: Vec<Texel>, indirect: Vec<Texel>) -> Self {
-        Self { bins, direct: Arc::new(direct), indirect: Arc::new(indirect), harmonics: Arc::default() }
+        let (direct, indirect) = (Arc::new(direct), Arc::new(indirect));
+        Self { bins, direct, indirect, harmonics: Arc::default(), moments: Vec::new() }
     }
 
     fn harmonics(&self) -> &Harmonics {
         self.harmonics.get_or_init(|| Harmonics::new(self.bins, &self.direct, &self.indirect))
+    }
+
+    /// With the samples filled that stand for others.
+    fn filled(self, bins: DirectionBins, fills: &Fills) -> Self {
+        if fills.is_empty() {
+            return self;
+        }
+        let filled = |table: Arc<Vec<Texel>>| {
+            let mut table = Arc::unwrap_or_clone(table);
+            fills.apply(&mut table, bins.len());
+            table
+        };
+        Self::new(bins, filled(self.direct), filled(self.indirect))
     }
 }
 
@@ -154,6 +188,11 @@ impl IrradianceVolume {
         Self { settings: VolumeSettings { basis, ..self.settings.clone() }, ..self.clone() }
     }
 
+    /// How often the light changed since the samples' rays were traced: their age.
+    pub fn relights(&self) -> u32 {
+        self.relights
+    }
+
     /// Whether [`Self::relight`] can follow the light: it cannot in a volume read from a file.
     pub fn can_relight(&self) -> bool {
         self.transport.is_some()
@@ -169,6 +208,7 @@ impl IrradianceVolume {
         let transport = self.transport.as_ref().map_or(0, |t| t.met.bytes());
         2 * self.table_bytes()
             + self.tables.harmonics.get().map_or(0, Harmonics::bytes)
+            + 2 * self.tables.moments.len() * self.table_bytes()
             + transport
             + self.grid.bytes()
             + size_of_val(&self.samples[..])

@@ -11,7 +11,7 @@
 //! Pictures do not say which light comes straight from an emitter: the whole of it is in the indirect part
 //! of such a volume, and its direct part is black.
 
-use super::{IrradianceVolume, Sample, VolumeError, VolumeSettings, grid::BilevelGrid};
+use super::{IrradianceVolume, Sample, VolumeError, VolumeSettings, grid::BilevelGrid, trust::SampleState};
 use crate::math::{image::LinearImage, progress::Progress, sphere_map::DirectionBins};
 use glam::{DVec3, UVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -129,7 +129,13 @@ impl IrradianceVolume {
         let at: Vec<Sample> = grid
             .places()
             .iter()
-            .map(|p| Sample { position: p.position, level: p.level, back_face_fraction: 0.0, valid: true })
+            .map(|p| Sample {
+                position: p.position,
+                level: p.level,
+                back_face_fraction: 0.0,
+                valid: true,
+                state: SampleState::Free,
+            })
             .collect();
         let radiance: Vec<Vec<Vec3>> =
             at.par_iter().map(|s| blended(nodes, &seen, s.position, bins)).collect();

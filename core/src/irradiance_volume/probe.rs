@@ -3,7 +3,8 @@
 use super::{
     VolumeError, VolumeSettings,
     cache::Met,
-    direct::{Centres, add_irradiance, arrivals},
+    direct::{Arrival, Centres, add_irradiance, arrivals},
+    moments::{Order, moment_by_definition, moment_of_arrivals},
     quadrature::{BLOCK, LANES, Quadrature},
     rays::{Targets, trace_point},
     solve::SurfaceLight,
@@ -30,6 +31,8 @@ pub struct Probe {
     pub direct: Vec<Vec3>,
     /// Indirect irradiance of a surface facing each bin, lx per channel.
     pub indirect: Vec<Vec3>,
+    /// What arrives straight from the emitters.
+    pub arrivals: Vec<Arrival>,
     /// Share of the rays that met the back of a single-sided surface: above ¼ the point is in a solid.
     pub back_face_fraction: f32,
 }
@@ -133,9 +136,9 @@ impl Probe {
         Quadrature::new(bins).irradiance(&lanes, &mut out);
         let mut sums = std::array::from_fn(|_| vec![0.0; bins.len()]);
         let centres = Centres::new(bins);
-        for emitter in &world.emitters.list {
-            add_irradiance(&centres, &arrivals(world, emitter, position, settings), &mut sums);
-        }
+        let arrivals: Vec<Arrival> =
+            world.emitters.list.iter().flat_map(|e| arrivals(world, e, position, settings)).collect();
+        add_irradiance(&centres, &arrivals, &mut sums);
         let [r, g, b] = sums;
         Self {
             position,
@@ -144,8 +147,28 @@ impl Probe {
             reflected_radiance,
             direct: (0..bins.len()).map(|i| Vec3::new(r[i], g[i], b[i])).collect(),
             indirect: out.iter().map(|o| Vec3::new(o[0], o[BLOCK], o[2 * BLOCK])).collect(),
+            arrivals,
             back_face_fraction,
         }
+    }
+
+    /// Moment of an order towards each bin, lx per channel (Greger Eq. 4.8); order 1 is [`Self::irradiance`].
+    pub fn moment(&self, order: Order, part: Part) -> Vec<Vec3> {
+        if order == Order::IRRADIANCE {
+            return self.irradiance(part);
+        }
+        if order == Order::Infinite {
+            return moment_by_definition(self.bins, &self.values(Quantity::Radiance, part), order);
+        }
+        let mut sum = vec![Vec3::ZERO; self.bins.len()];
+        if part != Part::Direct {
+            sum = moment_by_definition(self.bins, &self.reflected_radiance, order);
+        }
+        if part != Part::Indirect {
+            let direct = moment_of_arrivals(self.bins, self.arrivals.iter(), order);
+            sum.iter_mut().zip(direct).for_each(|(s, d)| *s += d);
+        }
+        sum
     }
 
     /// Irradiance of a surface facing each bin, lx per channel.

@@ -179,7 +179,7 @@ fn combined(signs: [f32; 4], parts: [&Lanes; 4]) -> Lanes {
 }
 
 /// Dense product, a few rows and one channel at a time so that the sums stay in registers.
-fn product(kernel: &[f32], data: &[Lanes], out: &mut [Lanes]) {
+pub(super) fn product(kernel: &[f32], data: &[Lanes], out: &mut [Lanes]) {
     const ROWS: usize = 4;
     let columns = data.len();
     for (rows, out) in kernel.chunks(ROWS * columns).zip(out.chunks_mut(ROWS)) {

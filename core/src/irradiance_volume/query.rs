@@ -5,6 +5,8 @@ use super::{
     codec::{SCALE, Texel, decode_rgb},
     grid::trilinear,
     harmonics,
+    moments::Order,
+    visibility::PointState,
 };
 use crate::{
     math::part::Part,
@@ -21,21 +23,33 @@ use rayon::prelude::*;
 pub struct SampleWeights {
     /// Sample numbers; corner bit 0 is x, bit 1 y, bit 2 z.
     pub ids: [u32; 8],
-    /// Weights in use; they sum to 1 and are 0 for samples inside solids, unless all eight are.
+    /// Weights in use; they sum to 1 and are 0 for samples inside solids, unless all eight are, and for
+    /// hidden ones in a guarded volume. All are 0 where no sample sees the point.
     pub weights: [f32; 8],
     /// Trilinear weights before samples inside solids were left out.
     pub trilinear: [f32; 8],
     /// Which samples may be used.
     pub valid: [bool; 8],
+    /// Which samples see the point; all of them without a guard.
+    pub seen: [bool; 8],
+    /// How far the answer can be trusted.
+    pub state: PointState,
     /// Level of the cell, 1 or 2.
     pub level: u8,
 }
 
 /// Samples and weights of a query.
 #[derive(Clone, Copy, Default)]
-struct Corners {
-    ids: [u32; 8],
-    weights: [f32; 8],
+pub(super) struct Corners {
+    pub ids: [u32; 8],
+    pub weights: [f32; 8],
+}
+
+impl Corners {
+    /// One sample and no other.
+    pub fn alone(sample: u32) -> Self {
+        Self { ids: [sample; 8], weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] }
+    }
 }
 
 /// Queries of a batch that are located before the first is answered, so that their loads overlap.
@@ -45,7 +59,8 @@ impl IrradianceVolume {
     /// Irradiance at a point on a surface facing the unit vector `normal`, lx per channel.
     ///
     /// Trilinear between eight samples, by the basis of the settings. A point outside the grid is moved
-    /// to the nearest one inside.
+    /// to the nearest one inside, and fades to the nearest sample from a quarter of a cell to a cell and
+    /// a quarter beyond.
     pub fn irradiance(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
         match self.settings.basis {
             Basis::Bins => self.irradiance_bins(position, normal, part),
@@ -130,11 +145,15 @@ impl IrradianceVolume {
         let at = self.grid.locate(position);
         let cell = &self.grid.cells()[at.cell as usize];
         let trilinear = trilinear(at.offset);
+        let corners = Corners { ids: cell.samples, weights: usable(trilinear, cell.valid) };
+        let careful = self.careful(position, corners, at.cell, cell.valid);
         SampleWeights {
-            ids: cell.samples,
-            weights: usable(trilinear, cell.valid),
+            ids: careful.corners.ids,
+            weights: careful.corners.weights,
             trilinear,
-            valid: std::array::from_fn(|i| cell.valid >> i & 1 == 1),
+            valid: careful.corners.ids.map(|s| self.samples[s as usize].valid),
+            seen: careful.seen,
+            state: careful.state,
             level: at.level,
         }
     }
@@ -144,22 +163,24 @@ impl IrradianceVolume {
     /// # Panics
     /// If there is no such sample.
     pub fn sample_irradiance(&self, sample: usize, part: Part) -> Vec<Vec3> {
+        self.decoded([&self.tables.direct, &self.tables.indirect], sample, part)
+    }
+
+    fn decoded(&self, [direct, indirect]: [&[Texel]; 2], sample: usize, part: Part) -> Vec<Vec3> {
         let bins = self.bins().len();
         let of = |table: &[Texel]| -> Vec<Vec3> {
             table[sample * bins..][..bins].iter().map(|t| decode_rgb(*t)).collect()
         };
         match part {
-            Part::Direct => of(&self.tables.direct),
-            Part::Indirect => of(&self.tables.indirect),
-            Part::All => {
-                of(&self.tables.direct).iter().zip(of(&self.tables.indirect)).map(|(d, i)| *d + i).collect()
-            }
+            Part::Direct => of(direct),
+            Part::Indirect => of(indirect),
+            Part::All => of(direct).iter().zip(of(indirect)).map(|(d, i)| *d + i).collect(),
         }
     }
 
     /// Irradiance at one sample alone, by a basis.
     pub(super) fn at_sample(&self, sample: u32, normal: Vec3, part: Part, basis: Basis) -> Vec3 {
-        let corners = Corners { ids: [sample; 8], weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+        let corners = Corners::alone(sample);
         match basis {
             Basis::Bins => self.between_bins(&corners, normal, part),
             Basis::NearestBin => self.of_nearest_bin(&corners, normal, part),
@@ -173,13 +194,54 @@ impl IrradianceVolume {
         let cell = &self.grid.cells()[at.cell as usize];
         let weights = trilinear(at.offset);
         let weights = if cell.valid == u8::MAX { weights } else { usable(weights, cell.valid) };
-        Corners { ids: cell.samples, weights }
+        let corners = Corners { ids: cell.samples, weights };
+        let guarded = self.guard.as_ref().is_some_and(|g| !g.is_open(at.cell));
+        let (low, high) = self.grid.bounds();
+        if guarded || !(position.cmpge(low).all() && position.cmple(high).all()) {
+            return self.careful(position, corners, at.cell, cell.valid).corners;
+        }
+        corners
+    }
+
+    /// Moment of an order at a point towards a unit direction, lx per channel (Greger Eq. 4.8): for a glossy
+    /// surface the view vector mirrored at its normal, [`crate::math::frame::mirrored`]. Bilinear between
+    /// bins. `None` where the volume does not hold the order; order 1 is [`Self::irradiance`].
+    pub fn moment(&self, position: Vec3, direction: Vec3, order: Order, part: Part) -> Option<Vec3> {
+        if order == Order::IRRADIANCE {
+            return Some(self.irradiance(position, direction, part));
+        }
+        let table = self.tables.moments.iter().find(|m| m.order == order)?;
+        let tables = [&table.direct[..], &table.indirect[..]];
+        Some(self.between_bins_of(tables, &self.corners(position), direction, part))
+    }
+
+    /// Moment of every bin of one sample, lx per channel; `None` where the volume does not hold the order.
+    ///
+    /// # Panics
+    /// If there is no such sample.
+    pub fn sample_moment(&self, sample: usize, order: Order, part: Part) -> Option<Vec<Vec3>> {
+        if order == Order::IRRADIANCE {
+            return Some(self.sample_irradiance(sample, part));
+        }
+        let table = self.tables.moments.iter().find(|m| m.order == order)?;
+        Some(self.decoded([&table.direct, &table.indirect], sample, part))
     }
 
     #[inline(always)]
-    fn between_bins(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
+    fn between_bins(&self, corners: &Corners, normal: Vec3, part: Part) -> Vec3 {
+        self.between_bins_of([&self.tables.direct, &self.tables.indirect], corners, normal, part)
+    }
+
+    #[inline(always)]
+    fn between_bins_of(
+        &self,
+        tables: [&[Texel]; 2],
+        Corners { ids, weights }: &Corners,
+        normal: Vec3,
+        part: Part,
+    ) -> Vec3 {
         let b = self.directions.interpolated(normal);
-        self.sum(part, |table, stride| {
+        self.sum(tables, part, |table, stride| {
             let mut sum = [0.0f32; 4];
             for i in 0..8 {
                 let sample = &table[ids[i] as usize * stride..][..stride];
@@ -195,7 +257,8 @@ impl IrradianceVolume {
     #[inline(always)]
     fn of_nearest_bin(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
         let bin = self.directions.nearest(normal);
-        self.sum(part, |table, stride| {
+        let tables = [&self.tables.direct[..], &self.tables.indirect[..]];
+        self.sum(tables, part, |table, stride| {
             let mut sum = [0.0f32; 4];
             for i in 0..8 {
                 add(&mut sum, &table[ids[i] as usize * stride + bin], weights[i] * SCALE);
@@ -210,15 +273,18 @@ impl IrradianceVolume {
     }
 
     #[inline(always)]
-    fn sum(&self, part: Part, lookup: impl Fn(&[Texel], usize) -> [f32; 4]) -> Vec3 {
+    fn sum(
+        &self,
+        [direct, indirect]: [&[Texel]; 2],
+        part: Part,
+        lookup: impl Fn(&[Texel], usize) -> [f32; 4],
+    ) -> Vec3 {
         let stride = self.bins().len();
         let vector = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
         match part {
-            Part::Direct => vector(lookup(&self.tables.direct, stride)),
-            Part::Indirect => vector(lookup(&self.tables.indirect, stride)),
-            Part::All => {
-                vector(lookup(&self.tables.direct, stride)) + vector(lookup(&self.tables.indirect, stride))
-            }
+            Part::Direct => vector(lookup(direct, stride)),
+            Part::Indirect => vector(lookup(indirect, stride)),
+            Part::All => vector(lookup(direct, stride)) + vector(lookup(indirect, stride)),
         }
     }
 }

@@ -1,8 +1,12 @@
 //! What a volume is built with, and what can go wrong.
 
+pub use crate::scene::volume::Basis;
+
 use super::{
     grid::{BilevelGrid, cells_with_geometry},
     ignored::Ignored,
+    moments::Order,
+    trust::Repair,
 };
 use crate::{
     math::progress::Cancelled,
@@ -10,33 +14,6 @@ use crate::{
 };
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
-
-/// What a query reads: bins or spherical harmonics. Both are kept, so changing it costs nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Basis {
-    /// Bilinear between the four bins around the normal.
-    #[default]
-    Bins,
-    /// The one bin that holds the normal, as the thesis has it.
-    NearestBin,
-    /// Nine spherical-harmonic coefficients.
-    Harmonics,
-}
-
-impl Basis {
-    /// Every basis.
-    pub const ALL: [Self; 3] = [Self::Bins, Self::NearestBin, Self::Harmonics];
-
-    /// Name on screen.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bins => "bins, interpolated",
-            Self::NearestBin => "nearest bin",
-            Self::Harmonics => "nine harmonics",
-        }
-    }
-}
 
 /// What an irradiance volume is built with.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -69,6 +46,12 @@ pub struct VolumeSettings {
     pub basis: Basis,
     /// Surfaces and lamps left out as sources of light.
     pub ignored: Ignored,
+    /// Orders of moments kept beside the irradiance, which is order 1; at most 8.
+    pub moments: Vec<Order>,
+    /// What is done with samples inside solids.
+    pub repair: Repair,
+    /// Whether queries use only samples that see the point; see [`super::visibility`].
+    pub guard: bool,
 }
 
 impl Default for VolumeSettings {
@@ -87,6 +70,9 @@ impl Default for VolumeSettings {
             back_face_limit: 0.25,
             basis: Basis::Bins,
             ignored: Ignored::default(),
+            moments: Vec::new(),
+            repair: Repair::Mask,
+            guard: false,
         }
     }
 }
@@ -176,6 +162,10 @@ impl VolumeSettings {
             return Err(VolumeError::Setting { name: "specular_cutoff", value, range: "0 to 1" });
         }
         within("direct_samples", self.direct_samples, 1, 1024, "1 to 1024")?;
+        if self.moments.len() > 8 {
+            let value = self.moments.len().to_string();
+            return Err(VolumeError::Setting { name: "number of moments", value, range: "0 to 8" });
+        }
         if self.back_face_limit.is_nan() || self.back_face_limit < 0.0 {
             let value = self.back_face_limit.to_string();
             return Err(VolumeError::Setting { name: "back_face_limit", value, range: "0 to 1" });

@@ -12,6 +12,7 @@ use super::{
     directions::Directions,
     ignored::Ignored,
     rays::{Patch, PointHits, Targets, trace_point},
+    trust::{Fills, Repair, SampleState, relocated},
 };
 use crate::{
     math::{progress::Progress, sphere_map::DirectionBins},
@@ -68,17 +69,45 @@ impl IrradianceVolume {
                 Ok(trace_point(world, light, bins, settings, &targets, place.position, i as u32))
             })
             .collect::<Result<_, VolumeError>>()?;
-        let samples: Vec<Sample> = grid
+        let mut samples: Vec<Sample> = grid
             .places()
             .iter()
             .zip(&hits)
-            .map(|(place, hit)| Sample {
-                position: place.position,
-                level: place.level,
-                back_face_fraction: hit.back_face_fraction,
-                valid: hit.back_face_fraction <= settings.back_face_limit,
+            .map(|(place, hit)| {
+                let valid = hit.back_face_fraction <= settings.back_face_limit;
+                let state = if valid { SampleState::Free } else { SampleState::Masked };
+                let (position, level) = (place.position, place.level);
+                Sample { position, level, back_face_fraction: hit.back_face_fraction, valid, state }
             })
             .collect();
+        let mut hits = hits;
+        if settings.repair == Repair::Relocate {
+            let cell = 0.5 * grid.cell_size();
+            let inner = grid.inner() as f32;
+            samples.par_iter_mut().zip(&mut hits).enumerate().filter(|(_, (s, _))| !s.valid).for_each(
+                |(i, (sample, hits))| {
+                    let reach = if sample.level == 1 { cell } else { cell / inner };
+                    let found = relocated(world, sample.position, reach, settings.back_face_limit);
+                    let traced =
+                        found.map(|p| (p, trace_point(world, light, bins, settings, &targets, p, i as u32)));
+                    let free = |h: &PointHits| h.back_face_fraction <= settings.back_face_limit;
+                    if let Some((position, found)) = traced.filter(|(_, h)| free(h)) {
+                        let (valid, state) = (true, SampleState::Relocated);
+                        let back_face_fraction = found.back_face_fraction;
+                        *sample = Sample { position, valid, state, back_face_fraction, ..*sample };
+                        *hits = found;
+                    }
+                },
+            );
+        }
+        let mut fills = Fills::default();
+        if settings.repair == Repair::Dilate {
+            let (positions, valid): (Vec<_>, Vec<_>) = samples.iter().map(|s| (s.position, s.valid)).unzip();
+            fills = Fills::plan(&grid, &positions, &valid);
+            for s in fills.samples() {
+                (samples[s as usize].valid, samples[s as usize].state) = (true, SampleState::Dilated);
+            }
+        }
         grid.set_valid(&samples.iter().map(|s| s.valid).collect::<Vec<_>>());
 
         let positions: Vec<Vec3> = samples.iter().map(|s| s.position).collect();
@@ -90,17 +119,22 @@ impl IrradianceVolume {
         let met = Met::new(bins, settings, hits);
         let transport = Arc::new(Transport { met, solver: Solver::new(bins) });
         let seen = transport.met.seen(world, light.radiosity(), &settings.ignored);
-        let tables = transport.tables(&seen, &arrivals);
+        let tables = transport.tables(&seen, &arrivals).filled(bins, &fills);
         progress.report(1.0)?;
-        Ok(Self {
+        let volume = Self {
             settings: settings.clone(),
             grid: Arc::new(grid),
             samples: Arc::new(samples),
             directions: Arc::new(Directions::new(bins)),
             transport: Some(transport),
             arrivals,
+            kernels: Arc::default(),
+            fills: Arc::new(fills),
+            guard: None,
+            relights: 0,
             tables,
-        })
+        };
+        Ok(volume.with_moments(&settings.moments, world, light).with_guard(settings.guard.then_some(world)))
     }
 
     /// The same samples under changed light; a new volume would also refine where a lamp now is. No radiance ray is traced: bins keep the elements they saw.
@@ -126,18 +160,46 @@ impl IrradianceVolume {
             })
             .collect();
         let tables = match &self.transport {
-            Some(t) => t.tables(&t.met.seen(world, light.radiosity(), &self.settings.ignored), &arrivals),
+            Some(t) => t
+                .tables(&t.met.seen(world, light.radiosity(), &self.settings.ignored), &arrivals)
+                .filled(self.bins(), &self.fills),
             None => self.tables.clone(),
         };
-        Self { arrivals, tables, ..self.clone() }
+        let relights = self.relights + 1;
+        Self { arrivals, tables, relights, ..self.clone() }.with_moments(&self.settings.moments, world, light)
+    }
+
+    /// The same rays under other settings of queries: basis, guard, moments. `None` where any other setting
+    /// differs, or where the volume came from a file.
+    pub fn asked_otherwise(
+        &self,
+        settings: &VolumeSettings,
+        world: &World,
+        light: &impl SurfaceLight,
+    ) -> Option<Self> {
+        let VolumeSettings { basis, guard, ref moments, .. } = *settings;
+        let alike = VolumeSettings { basis, guard, moments: moments.clone(), ..self.settings.clone() };
+        if alike != *settings || !self.can_relight() {
+            return None;
+        }
+        let mut volume = self.with_basis(basis);
+        if guard != self.settings.guard {
+            volume = volume.with_guard(guard.then_some(world));
+        }
+        if *moments != self.settings.moments {
+            volume = volume.with_moments(moments, world, light);
+        }
+        Some(volume)
     }
 
     /// The same volume without the light that comes straight from some surfaces and lamps (Greger 1996,
     /// §5.4), from what its rays met: nothing is traced. `None` in a volume that came from a file.
     pub fn ignoring(&self, world: &World, light: &impl SurfaceLight, ignored: Ignored) -> Option<Self> {
         let transport = self.transport.as_ref()?;
-        let tables =
-            transport.tables(&transport.met.seen(world, light.radiosity(), &ignored), &self.arrivals);
-        Some(Self { settings: VolumeSettings { ignored, ..self.settings.clone() }, tables, ..self.clone() })
+        let tables = transport
+            .tables(&transport.met.seen(world, light.radiosity(), &ignored), &self.arrivals)
+            .filled(self.bins(), &self.fills);
+        let settings = VolumeSettings { ignored, ..self.settings.clone() };
+        Some(Self { settings, tables, ..self.clone() }.with_moments(&self.settings.moments, world, light))
     }
 }

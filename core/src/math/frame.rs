@@ -16,6 +16,12 @@ pub fn frame_from_normal(normal: Vec3) -> Mat3 {
     )
 }
 
+/// The unit view vector (from the surface to the eye) mirrored at a unit normal: where an ideal mirror
+/// shows the eye the light from, 2 (n·v) n − v.
+pub fn mirrored(view: Vec3, normal: Vec3) -> Vec3 {
+    2.0 * normal.dot(view) * normal - view
+}
+
 /// Direction on the +z hemisphere with density cos θ / π per solid angle, from `u` in [0, 1)².
 ///
 /// The concentric map of the square onto the disc, lifted to the hemisphere (Malley).

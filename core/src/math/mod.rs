@@ -4,6 +4,7 @@ pub mod colour;
 pub mod false_colour;
 pub mod frame;
 pub mod image;
+pub mod moment;
 pub mod part;
 pub mod progress;
 pub mod random;

@@ -163,6 +163,11 @@ impl Accel {
         Self { still, over: over(&movable), movable }
     }
 
+    /// The tree of what stands still alone.
+    pub fn standing(&self) -> Self {
+        Self { still: self.still.clone(), over: over(&[]), movable: Vec::new() }
+    }
+
     /// Follows an object that [`Geometry::place`] moved.
     ///
     /// # Panics

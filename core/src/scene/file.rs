@@ -1,6 +1,11 @@
 //! The RON scene file: models to load, and what model files lack. Documented in `scenes/README.md`.
 
-use super::{MeasuringPlane, camera::Camera};
+use super::{
+    MeasuringPlane,
+    camera::Camera,
+    volume::{Basis, Repair},
+};
+use crate::math::moment::Order;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -128,6 +133,14 @@ pub struct PlanOverrides {
     pub volume_second_level: Option<u32>,
     /// Rows of direction bins a hemisphere: 2n² bins.
     pub volume_bins_n: Option<u32>,
+    /// What queries of the volume read.
+    pub volume_basis: Option<Basis>,
+    /// What is done with samples inside solids.
+    pub volume_repair: Option<Repair>,
+    /// Whether queries use only samples that see the point.
+    pub volume_guard: Option<bool>,
+    /// Orders of moments kept beside the irradiance.
+    pub volume_moments: Option<Vec<Order>>,
 }
 
 impl PlanOverrides {

@@ -15,6 +15,7 @@ pub mod import;
 pub mod lamp;
 pub mod material;
 pub mod mesh;
+pub mod volume;
 mod watertight;
 pub mod world;
 

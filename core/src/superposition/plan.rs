@@ -79,6 +79,10 @@ impl Plan {
                 VolumeSettings { seed, samples: over.volume_samples, ..VolumeSettings::default() };
             settings.second_level = over.volume_second_level.unwrap_or(settings.second_level);
             settings.bins_n = over.volume_bins_n.unwrap_or(settings.bins_n);
+            settings.basis = over.volume_basis.unwrap_or_default();
+            settings.repair = over.volume_repair.unwrap_or_default();
+            settings.guard = over.volume_guard.unwrap_or_default();
+            settings.moments = over.volume_moments.clone().unwrap_or_default();
             settings
         });
         let automatic = if needs.area_emitters == 0 { 1 } else { scaled(16, 1.0, 256.0) };

@@ -49,6 +49,10 @@ impl Component {
                 volume_samples: None,
                 volume_second_level: None,
                 volume_bins_n: None,
+                volume_basis: None,
+                volume_repair: None,
+                volume_guard: None,
+                volume_moments: None,
                 ..over
             },
         }

@@ -52,7 +52,11 @@ impl LiveTransport {
                     progress.begin("irradiance volume");
                     let start = Instant::now();
                     let light = &*current.radiosity;
-                    let built = IrradianceVolume::build(&current.world, light, volume, progress)?;
+                    let held = current.volume.as_deref().filter(|_| kept);
+                    let built = match held.and_then(|v| v.asked_otherwise(volume, &current.world, light)) {
+                        Some(built) => built,
+                        None => IrradianceVolume::build(&current.world, light, volume, progress)?,
+                    };
                     stage(&mut current.provenance, "irradiance volume", start);
                     Some(Arc::new(built))
                 }
