@@ -242,3 +242,40 @@ fn mistakes_are_told_in_one_line_that_names_the_file() {
         assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
     }
 }
+
+#[test]
+fn volumes_are_compared_ignored_and_made_of_panoramas() {
+    let (_keep, out) = folder();
+    let point = scene("analytic/point_over_floor.ron");
+    let whole = out.join("whole.volume");
+    let small = ["--bins-n", "5", "--target-samples", "60", "--refine-tolerance", "0.3"];
+    run(&[&["volume", &point, "--out", text(&whole)][..], &small].concat()).unwrap();
+    let names = lumenscope_core::scene::import::load(Path::new(&point)).unwrap();
+    let without = out.join("without.volume");
+    let lamp = ["--ignore", &names.lamps[0].name];
+    run(&[&["volume", &point, "--out", text(&without)][..], &small, &lamp].concat()).unwrap();
+    run(&["compare", text(&whole), text(&without)]).unwrap();
+    let error = run(&["volume", &point, "--out", text(&without), "--ignore", "nobody"]).unwrap_err();
+    assert!(error.contains("nobody"), "{error}");
+
+    for (i, at) in ["-0.5,1,0", "0.5,1,0"].into_iter().enumerate() {
+        let file = out.join(format!("{i}.exr"));
+        run(&["panorama", &point, "--at", at, "--out", text(&file), "--height", "16", "--rays", "1"])
+            .unwrap();
+        let image = &exr::read_layers(&file).unwrap()[0].1;
+        assert_eq!((image.width, image.height), (32, 16));
+        assert!(image.mean().max_element() > 0.0);
+    }
+    let list = out.join("nodes.ron");
+    let lines =
+        "[(position: (-0.5, 1.0, 0.0), file: \"0.exr\"), (position: (0.5, 1.0, 0.0), file: \"1.exr\")]";
+    fs::write(&list, lines).unwrap();
+    let pictures = out.join("pictures.volume");
+    run(&["panoramas", text(&list), "--out", text(&pictures), "--bins-n", "5"]).unwrap();
+    let made = lumenscope_core::irradiance_volume::IrradianceVolume::load(&pictures).unwrap();
+    let down = made.irradiance(glam::Vec3::Y, glam::Vec3::NEG_Y, lumenscope_core::math::part::Part::All);
+    assert!(down.x > 0.0 && made.samples().len() == 8);
+    fs::write(&list, "[(position: (0.0, 1.0, 0.0), file: \"none.exr\")]").unwrap();
+    let error = run(&["panoramas", text(&list), "--out", text(&pictures)]).unwrap_err();
+    assert!(error.contains("none.exr"), "{error}");
+}

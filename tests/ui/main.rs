@@ -4,6 +4,7 @@ mod edits;
 mod inspector;
 mod placement;
 mod pointer;
+mod volumes;
 mod window;
 
 use egui_kittest::kittest::Queryable;

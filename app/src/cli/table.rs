@@ -43,6 +43,34 @@ pub fn read_points(path: &Path) -> anyhow::Result<Vec<PointRow>> {
     Ok(rows)
 }
 
+/// Points with the indirect irradiance there and its standard error, lx, as `irradiance --method reference
+/// --part indirect` writes them.
+///
+/// # Errors
+/// One line naming the file, the row and the cause.
+pub fn read_reference(path: &Path) -> anyhow::Result<Vec<(PointRow, [Vec3; 2])>> {
+    const HEADER: &str = "x,y,z,nx,ny,nz,E_r,E_g,E_b,stderr_r,stderr_g,stderr_b";
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut lines = text.lines().enumerate();
+    if lines.next().is_none_or(|(_, header)| header != HEADER) {
+        bail!("{}: the header is not `{HEADER}`", path.display());
+    }
+    lines
+        .map(|(index, line)| {
+            let numbers: Vec<f32> = line
+                .split(',')
+                .filter_map(|n| n.trim().parse().ok())
+                .filter(|n: &f32| n.is_finite())
+                .collect();
+            let at = |i: usize| Vec3::from_slice(&numbers[3 * i..]);
+            if numbers.len() != 12 || at(1).normalize_or_zero() == Vec3::ZERO {
+                bail!("{}: line {}: twelve finite numbers wanted, `{line}` found", path.display(), index + 1);
+            }
+            Ok((PointRow { position: at(0), normal: at(1).normalize() }, [at(2), at(3)]))
+        })
+        .collect()
+}
+
 /// One column: its header and its values, one a row.
 pub type Column = (&'static str, Vec<f32>);
 

@@ -92,6 +92,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
         tour.wait("the view", |app| !app.is_busy())?;
         tour.photograph(&id.replace('.', "_"), GRAIN)?;
     }
+    tour.compare_volumes("Uplighter")?;
     tour.view(|view| view.views.clear());
     tour.view(|view| view.weights = [0.0, 0.0, 1.0]);
     tour.photograph("indirect", GRAIN)?;
@@ -177,6 +178,25 @@ impl Tour {
     fn click(&mut self, label: &str) {
         self.harness.get_by_label(label).click();
         self.harness.run_steps(2);
+    }
+
+    /// What comes to the air straight from an object, as spheres and as a slice.
+    fn compare_volumes(&mut self, name: &str) -> anyhow::Result<()> {
+        let scene = self.harness.state().session().scene.clone().context("no scene is open")?;
+        let object = scene.objects.iter().position(|o| o.name == name);
+        let target = Target::Object(object.with_context(|| format!("no object is called {name}"))?);
+        self.view(|view| {
+            view.volume.ignored.insert(target);
+            view.volume.slice = Some((1, 0.45));
+            view.volume.part = Part::All;
+            view.views = vec!["irradiance_volume.difference_slice".to_owned()];
+        });
+        self.click("Views");
+        self.wait("the difference", |app| !app.is_busy())?;
+        self.photograph("volume_difference", GRAIN)?;
+        self.click("Layers");
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        Ok(())
     }
 
     /// Clicks the viewport at a share of its width and height.

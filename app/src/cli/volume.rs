@@ -28,6 +28,10 @@ pub struct Options {
     /// Print the error against the path tracer over bins and samples, with slopes, instead of saving a volume.
     #[arg(long)]
     table: bool,
+    /// Indirect light at the points of the table, as `irradiance --method reference --part indirect` wrote it;
+    /// traced at random points in the air if not given.
+    #[arg(long)]
+    truth: Option<PathBuf>,
     /// Points and directions of the table.
     #[arg(long, default_value_t = 1000)]
     points: usize,
@@ -57,7 +61,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     options.volume.apply(settings);
     settings.ignored = ignored(&loaded.scene, &options.ignore)?;
     if options.table {
-        return volume_table::print(&loaded, options.points, options.spp, common.seed);
+        let truth = match &options.truth {
+            Some(file) => volume_table::Truth::File(file),
+            None => {
+                volume_table::Truth::Traced { points: options.points, paths: options.spp, seed: common.seed }
+            }
+        };
+        return volume_table::print(&loaded, &truth);
     }
     let solution = solve::solve(&loaded, true)?;
     let mut volume = solution.volume.context("the plan built no volume")?;

@@ -1,6 +1,9 @@
 //! The error of the irradiance volume over its settings, as a table.
 
-use super::solve::{self, Loaded};
+use super::{
+    solve::{self, Loaded},
+    table,
+};
 use anyhow::bail;
 use lumenscope_core::{
     irradiance_volume::VolumeSettings,
@@ -8,7 +11,9 @@ use lumenscope_core::{
         irradiance::ErrorStatistics,
         volume::{ReferencePoints, VolumeRow, points_in_the_air, slope, volume_row},
     },
+    scene::{direct::Receiver, world::World},
 };
+use std::path::Path;
 
 /// Rows of bins a hemisphere of the table.
 const BINS: [u32; 5] = [3, 5, 9, 17, 29];
@@ -16,23 +21,58 @@ const BINS: [u32; 5] = [3, 5, 9, 17, 29];
 /// Samples that the grids of the table stay within.
 const SAMPLES: [u32; 5] = [36, 144, 576, 2_287, 9_200];
 
+/// Where the light comes from that volumes are held to.
+pub enum Truth<'a> {
+    /// A table of indirect light.
+    File(&'a Path),
+    /// The path tracer.
+    Traced {
+        /// Points in the air.
+        points: usize,
+        /// Paths from each.
+        paths: u32,
+        /// Seed of the points and paths.
+        seed: u64,
+    },
+}
+
+impl Truth<'_> {
+    fn at_points(&self, loaded: &Loaded, world: &World) -> anyhow::Result<ReferencePoints> {
+        match *self {
+            Self::File(path) => {
+                let rows = table::read_reference(path)?;
+                let receivers = rows.iter().map(|(p, _)| Receiver::new(p.position, p.normal)).collect();
+                let column = |i: usize| rows.iter().map(|(_, values)| values[i]).collect();
+                Ok(ReferencePoints::with_indirect(world, receivers, column(0), column(1)))
+            }
+            Self::Traced { points, paths, seed } => {
+                let receivers = points_in_the_air(world, points, seed);
+                if receivers.len() < points {
+                    bail!(
+                        "{}: only {} of {points} points lie in the air",
+                        loaded.scene.name,
+                        receivers.len()
+                    );
+                }
+                Ok(solve::watched(|p| ReferencePoints::trace(world, receivers, paths, seed, p))?)
+            }
+        }
+    }
+}
+
 /// Builds a volume a row and prints how far it is from the path tracer: first more bins on one grid, then
 /// more samples with one number of bins.
 ///
 /// # Errors
 /// When a solver fails, or the scene has no open air to measure in.
-pub fn print(loaded: &Loaded, points: usize, paths: u32, seed: u64) -> anyhow::Result<()> {
+pub fn print(loaded: &Loaded, truth: &Truth<'_>) -> anyhow::Result<()> {
     let solution = solve::solve(loaded, false)?;
     let world = &solution.world;
-    let receivers = points_in_the_air(world, points, seed);
-    if receivers.len() < points {
-        bail!("{}: only {} of {points} points lie in the air", loaded.scene.name, receivers.len());
-    }
-    let truth = solve::watched(|p| ReferencePoints::trace(world, receivers, paths, seed, p))?;
+    let truth = truth.at_points(loaded, world)?;
     let settings = loaded.plan.solve.volume.clone().unwrap_or_default();
     println!(
-        "{} points and directions, {paths} paths each: median standard error {:.2} % of max(E, 5 % of mean)",
-        points,
+        "{} points and directions, known to a median standard error of {:.2} % of max(E, 5 % of mean)",
+        truth.receivers.len(),
         100.0 * truth.median_noise()?
     );
     println!("|E - E_ref| / max(E_ref, 5 % of the mean); direct light exact, and in `both` interpolated too");

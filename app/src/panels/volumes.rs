@@ -8,7 +8,8 @@ use crate::{
     session::{Against, Session, VolumeView},
 };
 use egui::Ui;
-use lumenscope_core::scene::Target;
+use egui_plot::{Bar, BarChart, Plot};
+use lumenscope_core::{inspection::Curve, scene::Target};
 
 /// Shows what the volume is compared with.
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
@@ -84,6 +85,31 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             out.push(Command::ForgetVolume(number));
         }
     });
+    let curves = session.inspection.iter().flat_map(|i| &i.curves);
+    curves.filter(|c| !c.radial).for_each(|curve| histogram(ui, curve));
+}
+
+/// A curve of equal steps as bars.
+fn histogram(ui: &mut Ui, curve: &Curve) {
+    let [x, y] = &curve.axes;
+    let width = curve.points.windows(2).next().map_or(1.0, |p| f64::from(p[1].x - p[0].x));
+    let bars =
+        curve.points.iter().map(|p| Bar::new(f64::from(p.x), f64::from(p.y)).width(0.9 * width)).collect();
+    ui.label(egui::RichText::new(&curve.name).small()).on_hover_text(
+        "Share of all samples and directions by the size of |A − B| / max(B, 5 % of its mean); the last bar \
+         holds everything beyond.",
+    );
+    let colour = crate::theme::accent(ui.visuals());
+    Plot::new(&curve.name)
+        .height(110.0)
+        .x_axis_label(x.as_str())
+        .y_axis_label(y.as_str())
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .show(ui, |plot| {
+            plot.bar_chart(BarChart::new(&curve.name, bars).color(colour));
+        });
 }
 
 /// Leaves a target's light out, or counts it again.

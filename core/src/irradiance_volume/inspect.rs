@@ -7,7 +7,7 @@ use super::{
     grid::NONE,
     moments::Order,
     probe::{Probe, Quantity},
-    slice::{notes, signed_legend},
+    slice::{histogram, notes, signed_legend},
     trust::{SampleState, seen},
 };
 use crate::{
@@ -148,6 +148,7 @@ pub fn difference_spheres(difference: &Difference, view: &VolumeView) -> Inspect
     let mut scene = spheres(difference.a, view, |i| difference.at_sample(i));
     let most = scene.sphere_bins.iter().fold(0.0f32, |m, v| m.max(luminance(*v).abs()));
     scene.legend = Some(signed_legend("difference of irradiance", most));
+    scene.curves.push(histogram(difference));
     scene.notes.extend(notes(difference));
     scene
 }

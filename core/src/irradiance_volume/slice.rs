@@ -5,10 +5,10 @@
 
 use super::{IrradianceVolume, difference::Difference, inspect::VolumeView};
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Legend},
+    inspection::{ColouredMesh, Curve, InspectionScene, Legend},
     math::{colour::luminance, part::Part},
 };
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Vertices along the longer edge of a slice.
@@ -66,6 +66,7 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
     InspectionScene {
         meshes: vec![mesh],
         legend: Some(signed_legend("difference of mean irradiance", most)),
+        curves: vec![histogram(difference)],
         notes: notes(difference),
         ..InspectionScene::default()
     }
@@ -93,6 +94,25 @@ pub(super) fn notes(difference: &Difference) -> Vec<String> {
             100.0 * s.percentile_95_relative
         ),
     ]
+}
+
+/// How often each size of |A − B| / max(B, 5 % of its mean) occurs over samples and bins, as steps of 2 %.
+pub(super) fn histogram(difference: &Difference) -> Curve {
+    const STEPS: usize = 25;
+    const WIDTH: f32 = 0.02;
+    let counts = difference.histogram(STEPS, WIDTH);
+    let total = counts.iter().sum::<u32>().max(1) as f32;
+    let points = counts
+        .iter()
+        .enumerate()
+        .map(|(i, count)| Vec2::new(100.0 * WIDTH * (i as f32 + 0.5), 100.0 * *count as f32 / total))
+        .collect();
+    Curve {
+        name: "how far A is from B".into(),
+        axes: ["|A − B| / B (%)".into(), "samples and directions (%)".into()],
+        points,
+        radial: false,
+    }
 }
 
 /// A plane across the volume's grid with a value at each vertex.

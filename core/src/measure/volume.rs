@@ -102,6 +102,23 @@ impl ReferencePoints {
         Ok(Self { direct: column(0), indirect: column(1), standard_error: column(2), receivers })
     }
 
+    /// Indirect light that is known already, with its standard error, lx per channel; direct light is added.
+    ///
+    /// # Panics
+    /// If there is not one value a receiver.
+    pub fn with_indirect(
+        world: &World,
+        receivers: Vec<Receiver>,
+        indirect: Vec<Vec3>,
+        standard_error: Vec<Vec3>,
+    ) -> Self {
+        let count = receivers.len();
+        assert!(indirect.len() == count && standard_error.len() == count, "one value a receiver");
+        let direct =
+            receivers.par_iter().enumerate().map(|(i, r)| total_irradiance(world, r, DIRECT_RAYS, i as u32));
+        Self { direct: direct.collect(), receivers, indirect, standard_error }
+    }
+
     /// All the light, lx per channel.
     pub fn total(&self) -> Vec<Vec3> {
         self.direct.iter().zip(&self.indirect).map(|(d, i)| *d + *i).collect()
