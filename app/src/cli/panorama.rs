@@ -22,7 +22,7 @@ pub struct Options {
     /// Scene file.
     scene: PathBuf,
     /// Point, m.
-    #[arg(long, value_parser = parse_point)]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     at: Vec3,
     /// OpenEXR file to write: latitude–longitude, cd/m², −z in the middle, +x to the right of it.
     #[arg(long)]
