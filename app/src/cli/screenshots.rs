@@ -62,7 +62,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let solution = solve::solve(&loaded, true)?;
         let (layers, _) = render::picture(&solution, SIZE, 16, Backend::Cpu, common.seed)?;
         write_pictures(&solution, &layers, &folder, small_png::write)?;
-        resolutions(&solution, &folder)?;
+        // Before the open front of the Cornell box there is little to see.
+        if example == Example::Office {
+            resolutions(&solution, &folder)?;
+        }
     }
     super::tour::write(&options.out.join("program"))
 }
