@@ -1,14 +1,17 @@
 //! Tests of the path tracer: closed forms, an independent estimator, honest errors, equal bytes.
 
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use lumenscope_core::{
-    math::{colour::luminance, frame::uniform_direction, part::Part, progress::Progress, random::Rng},
+    math::{
+        colour::luminance, frame::uniform_direction, image::LinearImage, part::Part, progress::Progress,
+        random::Rng,
+    },
     measure::significance::{critical_value, z_test},
     reference::{
         Estimate, brute::irradiance_brute, irradiance::irradiance, path::receiver_of,
         picture::ReferencePicture, radiance::radiance,
     },
-    scene::{Scene, accel::Ray, direct::Receiver, mesh::Mesh, world::World},
+    scene::{Scene, accel::Ray, direct::Receiver, lamp::LampKind, mesh::Mesh, world::World},
 };
 use lumenscope_tests::{
     add, add_point_lamp, box_room, cornell, diffuse,
@@ -92,10 +95,43 @@ fn furnace_radiance_is_emission_over_one_less_reflectance() {
 }
 
 #[test]
+fn spot_and_directional_lamps_give_their_closed_forms() {
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::new(-5.0, 0.0, -5.0), Vec3::Z * 10.0, Vec3::X * 10.0);
+    add(&mut scene, "floor", floor, diffuse("grey", Vec3::splat(0.5), Vec3::ZERO));
+    let lamp = add_point_lamp(&mut scene, Vec3::Y * 2.0, Vec3::ONE);
+    let downwards = Affine3A::from_rotation_x(-0.5 * PI);
+    scene.lamps[lamp].world_from_lamp = Affine3A::from_translation(Vec3::Y * 2.0) * downwards;
+    let intensity = Vec3::new(100.0, 80.0, 30.0);
+    let (inner, outer) = (0.3f32, 0.6f32);
+    scene.lamps[lamp].kind = LampKind::Spot { intensity, inner_angle: inner, outer_angle: outer };
+    let at = |scene: &Scene, x: f32| {
+        irradiance(&World::new(scene), &Receiver::new(Vec3::X * x, Vec3::Y), Part::All, 4, 1).mean
+    };
+    for angle in [0.0f32, 0.29, 0.4, 0.55, 0.61] {
+        // I cos³θ / h² under the lamp, times the falloff t² of glTF's extension between the two cones.
+        let t = ((angle.cos() - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
+        let wanted = intensity * (angle.cos().powi(3) / 4.0 * t * t);
+        let found = at(&scene, 2.0 * angle.tan());
+        // Single precision: differences of cosines lose two digits at the edge of the cone.
+        assert!((found - wanted).abs().max_element() <= 1e-5 * intensity.x, "{angle}: {found} for {wanted}");
+    }
+    scene.lamps[lamp].kind = LampKind::Directional { illuminance: intensity };
+    scene.lamps[lamp].world_from_lamp = Affine3A::from_rotation_x(-0.25 * PI);
+    let wanted = intensity * 0.5f32.sqrt();
+    assert!((at(&scene, 1.0) - wanted).abs().max_element() <= 1e-6 * intensity.x, "{}", at(&scene, 1.0));
+    // And nothing behind what stands in the way, however far.
+    let roof = rectangle(Vec3::new(-50.0, 30.0, -50.0), Vec3::X * 100.0, Vec3::Z * 100.0);
+    add(&mut scene, "roof", roof, diffuse("roof", Vec3::ZERO, Vec3::ZERO));
+    assert_eq!(at(&scene, 1.0), Vec3::ZERO);
+}
+
+#[test]
 fn next_event_estimation_agrees_with_blind_search_for_light() {
     let cases = [
         ("wide panel", wide_panel(), [Part::Direct, Part::Indirect].as_slice()),
         ("many panels", many_panels(), &[Part::All]),
+        ("textured panel", textured_panel(), &[Part::Direct]),
     ];
     for (name, scene, parts) in cases {
         let world = World::new(&scene);
@@ -130,6 +166,15 @@ fn wide_panel() -> Scene {
     let mut scene = cornell();
     let panel = rectangle(Vec3::new(-0.8, 1.95, -0.8), Vec3::X * 1.6, Vec3::Z * 1.6);
     scene.meshes[3] = Arc::new(panel);
+    scene
+}
+
+/// The wide panel under a picture of four colours, one of them black.
+fn textured_panel() -> Scene {
+    let mut scene = wide_panel();
+    let colours = [Vec3::X, Vec3::ONE, Vec3::ZERO, Vec3::new(0.1, 0.5, 1.0)];
+    scene.textures.push(Arc::new(LinearImage { width: 2, height: 2, pixels: colours.to_vec() }));
+    scene.materials[3].emission_texture = Some(0);
     scene
 }
 
