@@ -400,7 +400,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     );
     same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
     same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object);
-    same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, padding);
+    same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, stored_direct);
     same_layout!(
         SHADE,
         "MaterialInfo",

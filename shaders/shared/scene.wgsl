@@ -17,10 +17,11 @@ struct TriangleInfo {
 
 struct ObjectInfo {
     dimmer: f32,
-    // Entry of its first triangle in `moved_light`, or NONE.
+    // Record of its first triangle in `moved_light`, or NONE.
     moved_first: u32,
     first_triangle: u32,
-    padding: u32,
+    // 1 where direct light is always the stored one.
+    stored_direct: u32,
 }
 
 struct MaterialInfo {

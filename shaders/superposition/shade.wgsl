@@ -35,7 +35,7 @@ fn shade(id: vec2u, rays: bool) {
             let brdf = reflectance * (1.0 / PI);
             let stored = stored_light(surface);
             indirect = brdf * stored.indirect;
-            if rays {
+            if rays && objects[triangles[surface.triangle].object].stored_direct == 0u {
                 let scramble = hash2(pixel, hash2(frame.frame, frame.seed));
                 let origin = offset_origin(surface.position, surface.geometric_normal);
                 direct = brdf * total_irradiance(frame, Receiver(surface.position, surface.normal, origin), scramble);

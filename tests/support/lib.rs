@@ -156,6 +156,7 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
         volume: Some(Arc::new(volume)),
         moved_objects: Vec::new(),
         dynamic_objects: Default::default(),
+        guests: Default::default(),
         detail: Default::default(),
         provenance: Default::default(),
     }

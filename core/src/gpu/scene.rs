@@ -142,11 +142,10 @@ impl SceneTables {
         write.table(Table::Objects, &tables::objects(geometry, &moved))?;
         write.table(Table::MovedLight, &tables::moved_light(&moved))?;
         if known.is_none_or(|last| last.radiosity.sides().as_ptr() != radiosity.sides().as_ptr()) {
-            if radiosity.sides().len() == 2 * geometry.len() {
-                write.table(Table::Sides, radiosity.sides())?;
-            } else {
-                write.table(Table::Sides, &vec![SideMap::NONE; 2 * geometry.len()])?;
-            }
+            // Guests have no elements; before the first solution nothing has.
+            let mut sides = radiosity.sides().to_vec();
+            sides.resize(2 * geometry.len(), SideMap::NONE);
+            write.table(Table::Sides, &sides)?;
         }
         if known.is_none_or(|last| !Arc::ptr_eq(&last.radiosity, radiosity)) {
             let light = tables::element_light(&radiosity.direct, &radiosity.indirect);
@@ -202,5 +201,11 @@ fn same_structure(a: &LightTransportSolution, b: &LightTransportSolution) -> boo
         .accel
         .trees()
         .map(|t| t.world_from_object_built));
-    meshes && textures && still && built && g.len() == h.len()
+    let guests = a.guests.len() == b.guests.len()
+        && a.guests.iter().zip(b.guests.iter()).all(|(a, b)| {
+            a.object == b.object
+                && a.meshes.len() == b.meshes.len()
+                && a.meshes.iter().zip(&b.meshes).all(|(a, b)| Arc::ptr_eq(a, b))
+        });
+    meshes && textures && still && built && guests && g.len() == h.len()
 }

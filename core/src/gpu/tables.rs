@@ -52,8 +52,8 @@ pub struct ObjectInfo {
     pub moved_first: u32,
     /// First triangle.
     pub first_triangle: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// 1 where direct light is always the stored one.
+    pub stored_direct: u32,
 }
 
 /// `MaterialInfo` of `shaders/shared/scene.wgsl`.
@@ -233,7 +233,7 @@ pub fn objects(geometry: &Geometry, moved: &MovedLight) -> Vec<ObjectInfo> {
             dimmer: geometry.dimmer[i],
             moved_first: moved.first.get(&(i as u32)).copied().unwrap_or(NONE),
             first_triangle: geometry.object_triangles[i].start,
-            padding: 0,
+            stored_direct: moved.stored_direct.contains(&(i as u32)).into(),
         })
         .collect()
 }

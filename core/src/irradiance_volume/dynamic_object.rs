@@ -22,6 +22,7 @@ use crate::{
         Scene,
         accel::Ray,
         geometry::{Geometry, offset_origin},
+        mesh::Mesh,
         world::World,
     },
 };
@@ -36,6 +37,8 @@ const MOST_NODES: usize = 60_000;
 /// Rays an object's self-occlusion takes, about, and the bounds of those of one node.
 const OCCLUSION_RAYS: usize = 600_000;
 const NODE_RAYS: [u32; 2] = [48, 512];
+/// Nodes at most that are asked one by one what they hide.
+const MOST_OCCLUDED: usize = 12_000;
 /// Clusters of the coarse level along the diagonal of the object.
 const CLUSTERS: f32 = 18.0;
 
@@ -103,8 +106,18 @@ impl DynamicObject {
     /// Nodes of an object, open to everything; lattices have steps of at most `spacing_m`, and one step
     /// where that is `None`.
     pub fn new(scene: &Scene, geometry: &Geometry, object: usize, spacing_m: Option<f32>) -> Self {
+        let meshes: Vec<&Mesh> = scene.objects[object].parts.iter().map(|p| &*scene.meshes[p.mesh]).collect();
+        Self::of_meshes(&meshes, geometry, object, spacing_m)
+    }
+
+    /// As [`Self::new`], of an object that is none of a scene's.
+    ///
+    /// # Panics
+    /// If the object has other triangles than the meshes.
+    pub fn of_meshes(meshes: &[&Mesh], geometry: &Geometry, object: usize, spacing_m: Option<f32>) -> Self {
         let mut made = Self::default();
-        made.add_vertices(scene, object);
+        made.add_vertices(meshes);
+        assert_eq!(3 * geometry.object_triangles[object].len(), made.nodes.len(), "other meshes");
         let range = geometry.object_triangles[object].clone();
         let longest = |t: u32| {
             let [a, b, c] = geometry.positions[t as usize];
@@ -126,10 +139,9 @@ impl DynamicObject {
     }
 
     /// One node a vertex of the object's meshes; `nodes` holds those of the corners for now.
-    fn add_vertices(&mut self, scene: &Scene, object: usize) {
+    fn add_vertices(&mut self, meshes: &[&Mesh]) {
         const CORNERS: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
-        for part in &scene.objects[object].parts {
-            let mesh = &scene.meshes[part.mesh];
+        for mesh in meshes {
             let mut of_vertex = vec![u32::MAX; mesh.positions.len()];
             for corners in &mesh.triangles {
                 let triangle = self.nodes.len() as u32 / 3;
@@ -214,7 +226,8 @@ impl DynamicObject {
             .collect();
     }
 
-    /// Precomputes what the object hides from itself: V = ∫ visible cos θ dω / π at every node.
+    /// Precomputes what the object hides from itself: V = ∫ visible cos θ dω / π at every node, or, in an
+    /// object of very many, at those of the coarse level.
     ///
     /// # Panics
     /// If the object is not movable in `world`.
@@ -222,35 +235,49 @@ impl DynamicObject {
         let geometry = &world.geometry;
         let first = geometry.object_triangles[object].start;
         let [least, most] = NODE_RAYS;
-        let rays = ((OCCLUSION_RAYS / self.places.len().max(1)) as u32).clamp(least, most);
-        self.open = (0..self.places.len())
-            .into_par_iter()
-            .map(|node| {
-                let (triangle, _) = self.places[node];
-                let (position, normal) = self.place(geometry, first, node);
-                let front = geometry.area_normal(first + triangle).normalize_or(Vec3::Y);
-                let scramble = hash2(node as u32, seed as u32);
-                let two_sided = geometry.material_of(first + triangle).double_sided;
-                [1.0f32, -1.0].map(|side| {
-                    if side < 0.0 && !two_sided {
-                        return 1.0;
-                    }
-                    // Nodes lie on edges and corners: a little inwards, off the triangles that meet there, and
-                    // up by so little more that it stays on this side of all but the narrowest grooves.
-                    let inward = 1e-3 * (self.middle(geometry, first, triangle) - position);
-                    let start = position + inward + front * (side * 0.02 * inward.length());
-                    let origin = offset_origin(start, front * side);
-                    let frame = frame_from_normal(normal * side);
-                    let open = (0..rays).filter(|&ray| {
-                        let direction = frame * cosine_direction(r2_point(ray, scramble));
-                        // Below the plane of its own triangle, a smooth normal sees no object but the surface.
-                        direction.dot(front) * side <= 0.0
-                            || !world.accel.occluded_by(object as u32, &Ray::new(origin, direction))
-                    });
-                    open.count() as f32 / rays as f32
-                })
+        let each = |node: usize, rays: u32| {
+            let (triangle, _) = self.places[node];
+            let (position, normal) = self.place(geometry, first, node);
+            let front = geometry.area_normal(first + triangle).normalize_or(Vec3::Y);
+            let scramble = hash2(node as u32, seed as u32);
+            let two_sided = geometry.material_of(first + triangle).double_sided;
+            [1.0f32, -1.0].map(|side| {
+                if side < 0.0 && !two_sided {
+                    return 1.0;
+                }
+                // Nodes lie on edges and corners: a little inwards, off the triangles that meet there, and
+                // up by so little more that it stays on this side of all but the narrowest grooves.
+                let inward = 1e-3 * (self.middle(geometry, first, triangle) - position);
+                let start = position + inward + front * (side * 0.02 * inward.length());
+                let origin = offset_origin(start, front * side);
+                let frame = frame_from_normal(normal * side);
+                let open = (0..rays).filter(|&ray| {
+                    let direction = frame * cosine_direction(r2_point(ray, scramble));
+                    // Below the plane of its own triangle, a smooth normal sees no object but the surface.
+                    direction.dot(front) * side <= 0.0
+                        || !world.accel.occluded_by(object as u32, &Ray::new(origin, direction))
+                });
+                open.count() as f32 / rays as f32
             })
-            .collect();
+        };
+        let rays = |nodes: usize| ((OCCLUSION_RAYS / nodes.max(1)) as u32).clamp(least, most);
+        let count = self.places.len();
+        if count <= MOST_OCCLUDED {
+            self.open = (0..count).into_par_iter().map(|node| each(node, rays(count))).collect();
+            return;
+        }
+        // Too many to ask each: those of the coarse level, blended as their light is.
+        let count = self.asked.len();
+        let asked: Vec<[f32; 2]> = self.asked.par_iter().map(|&v| each(v as usize, rays(count))).collect();
+        let blend = |b: &[(u32, f32); 4]| -> [f32; 2] {
+            std::array::from_fn(|side| b.iter().map(|&(entry, w)| asked[entry as usize][side] * w).sum())
+        };
+        let mut open: Vec<[f32; 2]> = self.blends.iter().map(blend).collect();
+        for &(triangle, Vec2 { x: u, y: v }) in &self.places[self.vertices..] {
+            let [a, b, c]: [[f32; 2]; 3] = std::array::from_fn(|i| open[self.corner(triangle, i) as usize]);
+            open.push(std::array::from_fn(|s| a[s] * (1.0 - u - v) + b[s] * u + c[s] * v));
+        }
+        self.open = open;
     }
 
     fn middle(&self, geometry: &Geometry, first: u32, triangle: u32) -> Vec3 {

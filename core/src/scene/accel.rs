@@ -153,12 +153,7 @@ impl Accel {
         let still = Tree::new(geometry, still);
         let movable = (0..geometry.object_triangles.len())
             .filter(|&object| geometry.movable[object] && !geometry.object_triangles[object].is_empty())
-            .map(|object| Movable {
-                object: object as u32,
-                tree: Tree::new(geometry, geometry.object_triangles[object].clone()),
-                built_from_world: Affine3A::IDENTITY,
-                world_from_object_built: geometry.world_from_object[object],
-            })
+            .map(|object| Movable::new(geometry, object))
             .collect::<Vec<_>>();
         Self { still, over: over(&movable), movable }
     }
@@ -166,6 +161,14 @@ impl Accel {
     /// The tree of what stands still alone.
     pub fn standing(&self) -> Self {
         Self { still: self.still.clone(), over: over(&[]), movable: Vec::new() }
+    }
+
+    /// Adds a tree of its own for an object that [`Geometry::add_object`] has put in.
+    pub fn add_object(&mut self, geometry: &Geometry, object: usize) {
+        if !geometry.object_triangles[object].is_empty() {
+            self.movable.push(Movable::new(geometry, object));
+            self.over = over(&self.movable);
+        }
     }
 
     /// Follows an object that [`Geometry::place`] moved.
@@ -245,6 +248,15 @@ fn over(movable: &[Movable]) -> Bvh2 {
 }
 
 impl Movable {
+    fn new(geometry: &Geometry, object: usize) -> Self {
+        Self {
+            object: object as u32,
+            tree: Tree::new(geometry, geometry.object_triangles[object].clone()),
+            built_from_world: Affine3A::IDENTITY,
+            world_from_object_built: geometry.world_from_object[object],
+        }
+    }
+
     /// Box around the object in the world.
     fn bounds(&self) -> Aabb {
         let Some(root) = self.tree.bvh.nodes.first() else { return Aabb::empty() };

@@ -3,6 +3,7 @@
 use super::{
     Scene,
     material::{Material, Texture},
+    mesh::Mesh,
 };
 use glam::{Affine3A, Vec2, Vec3};
 use std::{ops::Range, sync::Arc};
@@ -61,19 +62,8 @@ impl Geometry {
         for (index, object) in scene.objects.iter().enumerate() {
             let first = geometry.positions.len() as u32;
             for part in &object.parts {
-                let mesh = &scene.meshes[part.mesh];
-                for t in &mesh.triangles {
-                    let corner = t.map(|i| i as usize);
-                    geometry.uvs.push(corner.map(|i| mesh.uvs[i]));
-                    geometry.material.push(part.material as u32);
-                    geometry.object.push(index as u32);
-                    geometry
-                        .positions
-                        .push(corner.map(|i| object.world_from_object.transform_point3(mesh.positions[i])));
-                    geometry
-                        .normals
-                        .push(corner.map(|i| world_normal(&object.world_from_object, mesh.normals[i])));
-                }
+                let placed = (index as u32, object.world_from_object);
+                geometry.add_part(&scene.meshes[part.mesh], part.material as u32, placed);
             }
             geometry.object_triangles.push(first..geometry.positions.len() as u32);
             geometry.movable.push(object.movable);
@@ -81,6 +71,32 @@ impl Geometry {
             geometry.world_from_object.push(object.world_from_object);
         }
         geometry
+    }
+
+    /// Puts an object that may not be moved behind all others; returns its number.
+    pub fn add_object(&mut self, parts: &[(Arc<Mesh>, Material)], world_from_object: Affine3A) -> usize {
+        let object = self.object_triangles.len();
+        let first = self.positions.len() as u32;
+        for (mesh, material) in parts {
+            self.materials.push(material.clone());
+            self.add_part(mesh, self.materials.len() as u32 - 1, (object as u32, world_from_object));
+        }
+        self.object_triangles.push(first..self.positions.len() as u32);
+        self.movable.push(false);
+        self.dimmer.push(1.0);
+        self.world_from_object.push(world_from_object);
+        object
+    }
+
+    fn add_part(&mut self, mesh: &Mesh, material: u32, (object, world_from_object): (u32, Affine3A)) {
+        for t in &mesh.triangles {
+            let corner = t.map(|i| i as usize);
+            self.uvs.push(corner.map(|i| mesh.uvs[i]));
+            self.material.push(material);
+            self.object.push(object);
+            self.positions.push(corner.map(|i| world_from_object.transform_point3(mesh.positions[i])));
+            self.normals.push(corner.map(|i| world_normal(&world_from_object, mesh.normals[i])));
+        }
     }
 
     /// Puts one object somewhere else; its triangles keep their numbers.

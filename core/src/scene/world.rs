@@ -1,6 +1,10 @@
 //! A scene made ready for rays: its triangles, trees and emitters, kept together and moved together.
 
-use super::{Scene, Target, accel::Accel, emitters::Emitters, geometry::Geometry};
+use super::{
+    Scene, Target, accel::Accel, emitters::Emitters, geometry::Geometry, material::Material, mesh::Mesh,
+};
+use glam::Affine3A;
+use std::sync::Arc;
 
 /// Triangles, trees and emitters of one scene.
 #[derive(Clone)]
@@ -20,6 +24,14 @@ impl World {
         let accel = Accel::new(&geometry);
         let emitters = Emitters::new(scene, &geometry);
         Self { geometry, accel, emitters }
+    }
+
+    /// Puts an object behind all others; returns its number. It has a tree of its own, but is not one of
+    /// those that may be moved, and does not emit.
+    pub fn add_object(&mut self, parts: &[(Arc<Mesh>, Material)], world_from_object: Affine3A) -> usize {
+        let object = self.geometry.add_object(parts, world_from_object);
+        self.accel.add_object(&self.geometry, object);
+        object
     }
 
     /// Follows placements and dimmers that changed in `scene`; meshes and materials must not have.

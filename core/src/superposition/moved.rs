@@ -6,12 +6,15 @@
 //! [`dynamic_object`](crate::irradiance_volume::dynamic_object)'s.
 
 use crate::{
-    irradiance_volume::dynamic_object::{DynamicObject, lattice_blend, lattice_len},
+    irradiance_volume::{
+        IrradianceVolume,
+        dynamic_object::{DynamicObject, lattice_blend, lattice_len},
+    },
     math::part::Part,
     transport::LightTransportSolution,
 };
 use glam::{Vec2, Vec3};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Irradiance on the moved objects' triangles, lx per channel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +25,8 @@ pub struct MovedLight {
     pub lattices: Vec<(u32, u32)>,
     /// For each entry of a lattice: the front, then the back; of each direct, then indirect light.
     pub entries: Vec<[[Vec3; 2]; 2]>,
+    /// Objects whose direct light is always that of the entries, never evaluated at a pixel.
+    pub stored_direct: BTreeSet<u32>,
     /// Queries made, all parts and sides.
     pub queries: usize,
 }
@@ -31,26 +36,40 @@ impl MovedLight {
     /// too. Without a volume all is black.
     pub fn new(solution: &LightTransportSolution, direct: bool) -> Self {
         let mut light = Self::default();
+        let volume = solution.volume.as_deref();
         for &object in &solution.moved_objects {
             light.first.insert(object, light.lattices.len() as u32);
             match solution.dynamic_objects.get(&object) {
-                Some(known) => light.add(solution, object as usize, known, direct),
+                Some(known) => light.add(solution, object as usize, known, volume, [direct, true]),
                 None => {
                     let (scene, geometry) = (&solution.scene, &solution.world.geometry);
                     let plain = DynamicObject::new(scene, geometry, object as usize, None);
-                    light.add(solution, object as usize, &plain, direct);
+                    light.add(solution, object as usize, &plain, volume, [direct, true]);
                 }
             }
+        }
+        for guest in solution.guests.iter() {
+            light.first.insert(guest.object, light.lattices.len() as u32);
+            light.stored_direct.insert(guest.object);
+            let parts = [guest.part != Part::Indirect, guest.part != Part::Direct];
+            light.add(solution, guest.object as usize, &guest.known, Some(&guest.volume), parts);
         }
         light
     }
 
-    fn add(&mut self, solution: &LightTransportSolution, object: usize, known: &DynamicObject, direct: bool) {
+    fn add(
+        &mut self,
+        solution: &LightTransportSolution,
+        object: usize,
+        known: &DynamicObject,
+        volume: Option<&IrradianceVolume>,
+        [direct, indirect]: [bool; 2],
+    ) {
         let geometry = &solution.world.geometry;
         let triangles = geometry.object_triangles[object].clone();
         let two_sided = triangles.clone().any(|t| geometry.material_of(t).double_sided);
         let mut ask = |part: Part, side: f32, wanted: bool| -> Vec<Vec3> {
-            match &solution.volume {
+            match volume {
                 Some(volume) if wanted => {
                     self.queries += known.queries(solution.detail);
                     known.irradiance(volume, geometry, object, part, side, solution.detail)
@@ -58,8 +77,9 @@ impl MovedLight {
                 _ => vec![Vec3::ZERO; known.places.len()],
             }
         };
-        let sides = [(1.0, true), (-1.0, two_sided)]
-            .map(|(side, lit)| [ask(Part::Direct, side, lit && direct), ask(Part::Indirect, side, lit)]);
+        let sides = [(1.0, true), (-1.0, two_sided)].map(|(side, lit)| {
+            [ask(Part::Direct, side, lit && direct), ask(Part::Indirect, side, lit && indirect)]
+        });
         for (triangle, &(first, steps)) in triangles.zip(&known.lattices) {
             let back_lit = geometry.material_of(triangle).double_sided;
             self.lattices.push((self.entries.len() as u32, steps));

@@ -109,8 +109,10 @@ fn shade(
             || solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part),
         )
     };
+    let object = geometry.object[surface.triangle as usize];
     let direct = match settings.direct {
         DirectQuality::Elements => stored(Part::Direct),
+        DirectQuality::PerPixel(_) if moved.stored_direct.contains(&object) => stored(Part::Direct),
         DirectQuality::PerPixel(samples) => {
             let receiver = Receiver {
                 position: surface.position,

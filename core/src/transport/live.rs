@@ -150,6 +150,7 @@ impl LiveTransport {
             volume: None,
             moved_objects: Vec::new(),
             dynamic_objects: Arc::default(),
+            guests: Arc::default(),
             detail: Detail::Fine,
             provenance,
         };

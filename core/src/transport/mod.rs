@@ -1,5 +1,6 @@
 //! What the solvers produce, and how it follows the user.
 
+pub mod guests;
 pub mod live;
 pub mod solution;
 

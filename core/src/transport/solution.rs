@@ -1,5 +1,6 @@
 //! The solution: one scene's light, with where it came from.
 
+use super::guests::Guest;
 use crate::{
     irradiance_volume::{
         IrradianceVolume,
@@ -25,6 +26,8 @@ pub struct LightTransportSolution {
     pub moved_objects: Vec<u32>,
     /// What movable objects need to be lit from the volume; one that is missing is lit at its vertices.
     pub dynamic_objects: Arc<BTreeMap<u32, DynamicObject>>,
+    /// Things put in after the solve, each lit from a volume of its own.
+    pub guests: Arc<Vec<Guest>>,
     /// How finely the moved objects ask the volume.
     pub detail: Detail,
     /// What it was made with.
