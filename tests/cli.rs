@@ -158,6 +158,22 @@ fn placement_writes_numbers_a_table_and_a_map_and_warns() {
 }
 
 #[test]
+fn copies_are_lit_by_two_volumes_at_once() {
+    let (_keep, out) = folder();
+    let cornell = scene("cornell/cornell.ron");
+    let lights = ["--left", "3:indirect", "--right", "17:all", "--size", "48x48", "--out", text(&out)];
+    run(&[&["copies", &cornell, "--object", "Short block"][..], &lights].concat()).unwrap();
+    let report = fs::read_to_string(out.join("copies.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let mean = |side: &str| report[side]["mean_illuminance_lx"].as_f64().unwrap();
+    assert!(0.0 < mean("left") && mean("left") < mean("right"), "{report}");
+    assert_eq!((report["left"]["bins"].as_u64(), report["right"]["bins"].as_u64()), (Some(18), Some(578)));
+    assert_eq!(image::open(out.join("copies.png")).unwrap().width(), 48);
+    let error = run(&["copies", &cornell, "--object", "Nobody", "--out", text(&out)]).unwrap_err();
+    assert!(error.contains("Nobody"));
+}
+
+#[test]
 fn a_wall_streams_by_and_a_moving_object_is_counted() {
     let (_keep, out) = folder();
     let furnace = scene("analytic/furnace_box_0_5.ron");

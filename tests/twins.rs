@@ -9,6 +9,7 @@ use lumenscope_core::{
     math::{
         false_colour::{FalseColour, Palette},
         image::LinearImage,
+        part::Part,
         sphere_map::DirectionBins,
     },
     radiosity::lookup::SideMap,
@@ -21,7 +22,7 @@ use lumenscope_core::{
         layers::{Layer, Layers},
         overlay, render,
     },
-    transport::LightTransportSolution,
+    transport::{LightTransportSolution, guests::Visitor},
 };
 use lumenscope_tests::{add_point_lamp, cornell, with_moved_block};
 use std::sync::Arc;
@@ -160,6 +161,35 @@ fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
             let settings = PassSettings { direct, seed: 1, ..PassSettings::default() };
             let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
             compare(&format!("{what}, {direct:?}"), (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+}
+
+#[test]
+fn guests_lit_by_volumes_of_their_own_agree() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    let (volume, mesh) = (solution.volume.clone().unwrap(), solution.scene.meshes[5].clone());
+    let material = solution.scene.materials[5].clone();
+    let copy = |x: f32, part| Visitor {
+        parts: vec![(mesh.clone(), material.clone())],
+        world_from_object: Affine3A::from_translation(Vec3::new(x, 1.3, 0.2))
+            * Affine3A::from_rotation_y(0.4),
+        volume: volume.clone(),
+        part,
+        known: None,
+    };
+    let dressed = solution.with_guests(&[copy(-0.5, Part::All), copy(0.5, Part::Indirect)]);
+    let camera = solution.scene.camera;
+    for direct in [DirectQuality::Elements, DirectQuality::PerPixel(2)] {
+        // Into a scene without them and out again: nothing of the one stays in the other.
+        for solution in [&dressed, &solution, &dressed] {
+            gpu.upload(solution);
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, ..PassSettings::default() };
+            let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+            compare("with guests", (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
         }
     }
 }

@@ -248,6 +248,7 @@ impl LumenscopeApp {
             self.session.log.warn(format!("the list of recent files was not saved: {error:#}"));
         }
         self.carry_out(ctx, Effect::Measure);
+        self.carry_out(ctx, Effect::Copies);
         for effect in effects {
             self.carry_out(ctx, effect);
         }

@@ -1,6 +1,6 @@
 //! The document: the open scene, what the user changed in it, and how it is looked at.
 
-use crate::placement::Placement;
+use crate::{copies::Copies, placement::Placement};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     irradiance_volume::{inspect::ColourBy, moments::Order},
@@ -73,6 +73,9 @@ pub struct View {
     pub probe_resolutions: bool,
     /// Ids of the inspection views switched on (see `registry`).
     pub views: Vec<String>,
+    /// Two copies of something, lit by two volumes.
+    #[serde(default)]
+    pub copies: Option<Copies>,
 }
 
 /// What fills the viewport.
@@ -161,6 +164,7 @@ impl Default for View {
             probe_part: Part::All,
             probe_resolutions: false,
             views: Vec::new(),
+            copies: None,
         }
     }
 }
@@ -234,6 +238,7 @@ impl View {
             && (1..=64).contains(&self.probe_bins_n)
             && false_colour
             && probe
+            && self.copies.is_none_or(|c| c.is_finite())
     }
 }
 

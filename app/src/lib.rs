@@ -3,6 +3,7 @@
 pub mod app;
 pub mod cli;
 pub mod command;
+pub mod copies;
 pub mod document;
 pub mod examples;
 pub mod export;

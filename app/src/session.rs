@@ -106,6 +106,8 @@ pub enum Effect {
     Reference,
     /// Forget the reference.
     DropReference,
+    /// Put the two copies in, or take them away.
+    Copies,
     /// Path-trace the volume, to keep it.
     ReferenceVolume,
     /// Write the session.
@@ -192,6 +194,7 @@ impl Session {
             self.log.warn("the view in the session file was not usable: the scene's own view is shown");
             document.view = View { camera: scene.camera, ..View::default() };
         }
+        document.view.copies = document.view.copies.filter(|c| c.fits(&scene));
         document.view.selected = document.view.selected.filter(|&t| exists(&scene, t));
         self.scene = Some(Arc::new(document.edits.applied(&scene)));
         self.bases = vec![(document.edits.added.clone(), Arc::clone(&scene))];
@@ -378,6 +381,7 @@ impl Session {
         }
         let scene = self.scene.as_deref();
         view.selected = view.selected.filter(|&t| scene.is_some_and(|s| exists(s, t)));
+        view.copies = view.copies.filter(|c| scene.is_some_and(|s| c.fits(s)));
         let old = std::mem::replace(&mut self.document.view, view);
         let view = &self.document.view;
         let mut effects = Vec::new();
@@ -391,6 +395,7 @@ impl Session {
         if view.volume != old.volume || view.views != old.views {
             effects.push(Effect::Inspect);
         }
+        effects.extend((view.copies != old.copies).then_some(Effect::Copies));
         let moved = view.camera != old.camera;
         let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;
         if moved {

@@ -7,6 +7,7 @@
 mod bench;
 
 use crate::{
+    copies::CopiesRequest,
     pipeline::{Loaded, Source},
     placement::Placement,
     session::{Kept, Reference, VolumeView},
@@ -153,6 +154,10 @@ struct Slots {
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
     trace_volume: bool,
+    /// Copies that every light is shown with.
+    copies: Option<CopiesRequest>,
+    /// Whether what is shown is without them, or with others.
+    dress: bool,
     job: Option<Job>,
     quit: bool,
 }
@@ -215,6 +220,7 @@ impl Worker {
             || slots.inspect.is_some()
             || slots.measure
             || slots.trace_volume
+            || slots.dress
             || !slots.exports.is_empty()
     }
 
@@ -230,6 +236,8 @@ impl Worker {
             slots.measure = false;
             slots.reference = Some(None);
             slots.trace_volume = false;
+            slots.copies = None;
+            slots.dress = false;
         });
     }
 
@@ -259,6 +267,14 @@ impl Worker {
     /// Starts, resumes or (with `None`) forgets the reference picture.
     pub fn reference(&self, request: Option<ReferenceRequest>) {
         self.put(Rank::Any, |slots| slots.reference = Some(request));
+    }
+
+    /// Shows every light with these copies from now on, or without any.
+    pub fn copies(&self, copies: Option<CopiesRequest>) {
+        self.put(Rank::Inspect, |slots| {
+            slots.copies = copies;
+            slots.dress = true;
+        });
     }
 
     /// Path-traces a volume with the samples of the present one.

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod comparison;
+mod copies;
 mod harmonics;
 mod ignored;
 mod moments;

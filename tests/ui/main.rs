@@ -1,5 +1,6 @@
 //! The program as its user meets it: the real window, without a screen.
 
+mod copies;
 mod edits;
 mod inspector;
 mod placement;

@@ -49,6 +49,10 @@ impl LumenscopeApp {
                 let camera = self.session.document.view.camera;
                 self.worker.reference(Some(ReferenceRequest { camera, size }));
             }
+            Effect::Copies => {
+                let copies = self.session.document.view.copies;
+                self.worker.copies(copies.map(|c| c.request(&self.session.kept)));
+            }
             Effect::ReferenceVolume => self.worker.trace_volume(),
             Effect::DropReference => self.worker.reference(None),
             Effect::Save(path) => self.save(path),

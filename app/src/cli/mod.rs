@@ -1,6 +1,7 @@
 //! The command line: one binary, one subcommand a job, one clear line when something is wrong.
 
 mod compare;
+mod copies;
 mod cost;
 mod headless;
 mod irradiance;
@@ -79,6 +80,11 @@ enum Job {
     /// A cinder-block wall of 612,000 polygons streamed by and lit from the volume.
     #[command(after_help = "Example: lumenscope wall scenes/office/office.ron --out out")]
     Wall(wall::Options),
+    /// One object twice, side by side, lit by two volumes at once.
+    #[command(
+        after_help = "Example: lumenscope copies scenes/office/office.ron --object Mug --left 5:all --right 17:all --out out"
+    )]
+    Copies(copies::Options),
     /// What an object lit from the volume costs a frame while it moves.
     #[command(after_help = "Example: lumenscope cost scenes/office/office.ron --model bunny.obj")]
     Cost(cost::Options),
@@ -134,6 +140,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Volume(options)) => volume::run(&options, common),
         Some(Job::Placement(options)) => placement::run(&options, common),
         Some(Job::Wall(options)) => wall::run(&options, common),
+        Some(Job::Copies(options)) => copies::run(&options, common),
         Some(Job::Cost(options)) => cost::run(&options, common),
         Some(Job::Panorama(options)) => panorama::run(&options, common),
         Some(Job::Panoramas(options)) => panorama::volume(&options),

@@ -1,6 +1,6 @@
 //! Inspection views: what can be shown inside the scene, and the volume as spheres.
 
-use super::{edit_view, section, volumes};
+use super::{copies, edit_view, section, volumes};
 use crate::{
     command::Command,
     pipeline::SPHERES,
@@ -31,6 +31,7 @@ pub fn show(
         ui.add_enabled_ui(view.volume.shown, |ui| volume(ui, &mut view.volume));
     });
     volumes::show(ui, session, out);
+    copies::show(ui, session, out);
     section(ui, "Inside the light");
     edit_view(&session.document.view, out, |view| {
         for row in VIEWS.iter().filter(|r| r.id != SPHERES) {

@@ -194,19 +194,18 @@ pub fn first_sphere(inspection: &InspectionScene, ray: &Ray) -> Option<(usize, f
 /// Irradiance as the picture has it: from the radiosity elements, or the volume on a moved object.
 fn stored(solution: &LightTransportSolution, surface: &Surface, part: Part) -> Vec3 {
     let object = solution.world.geometry.object[surface.triangle as usize];
-    if solution.moved_objects.contains(&object) {
-        let Some(volume) = &solution.volume else { return Vec3::ZERO };
+    let guest = solution.guests.iter().find(|g| g.object == object);
+    if guest.is_some() || solution.moved_objects.contains(&object) {
+        let Some(volume) = guest.map(|g| &g.volume).or(solution.volume.as_ref()) else { return Vec3::ZERO };
         let first = solution.world.geometry.object_triangles[object as usize].start;
-        let open = solution
-            .dynamic_objects
-            .get(&object)
+        let known = guest.map(|g| &*g.known).or(solution.dynamic_objects.get(&object));
+        let open = known
             .map_or(1.0, |known| known.open_at(surface.triangle - first, surface.barycentric, surface.back));
+        let shown = |p| part != p && !matches!(guest, Some(g) if g.part == p);
         let of = |part| volume.irradiance(surface.position, surface.normal, part);
-        return match part {
-            Part::Direct => of(Part::Direct),
-            Part::Indirect => of(Part::Indirect) * open,
-            Part::All => of(Part::Direct) + of(Part::Indirect) * open,
-        };
+        let direct = if shown(Part::Indirect) { of(Part::Direct) } else { Vec3::ZERO };
+        let indirect = if shown(Part::Direct) { of(Part::Indirect) * open } else { Vec3::ZERO };
+        return direct + indirect;
     }
     solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
 }

@@ -7,8 +7,9 @@ use super::{
 use crate::{export, pipeline, placement::Placement};
 use anyhow::Result;
 use lumenscope_core::{
+    irradiance_volume::dynamic_object::DynamicObject,
     math::progress::{Cancelled, Progress},
-    scene::Scene,
+    scene::{Scene, mesh::Mesh},
     transport::{
         LightTransportSolution,
         live::{LiveTransport, SolveSettings},
@@ -31,6 +32,7 @@ enum Task {
     Reference(Option<ReferenceRequest>),
     MoreSamples,
     TraceVolume,
+    Dress,
 }
 
 /// What the thread keeps between jobs.
@@ -41,13 +43,15 @@ pub(super) struct Bench {
     live: Option<LiveTransport>,
     solution: Option<Arc<LightTransportSolution>>,
     reference: Option<pipeline::ReferenceWork>,
+    /// Nodes of the copies, and of which object of which scene.
+    copied: Option<(usize, Arc<Mesh>, Arc<DynamicObject>)>,
     /// Whether the last task was light: then what is watched of it goes first.
     lit: bool,
 }
 
 impl Bench {
     pub(super) fn new(shared: Arc<Shared>, news: Sender<News>, wake: Box<dyn Fn() + Send>) -> Self {
-        Self { shared, news, wake, live: None, solution: None, reference: None, lit: false }
+        Self { shared, news, wake, live: None, solution: None, reference: None, copied: None, lit: false }
     }
 
     /// Works until told to quit.
@@ -76,6 +80,7 @@ impl Bench {
                 Task::Reference(request) => self.begin_reference(request),
                 Task::MoreSamples => self.more_samples(),
                 Task::TraceVolume => self.trace_volume(),
+                Task::Dress => self.dress(),
             }
         }
     }
@@ -103,6 +108,9 @@ impl Bench {
         // Between two steps of a drag, what is watched of the light: else it would wait for the drag's end.
         if self.solution.is_some() && std::mem::take(&mut slots.measure) {
             return Some(Task::Measure(slots.placement.clone()));
+        }
+        if self.solution.is_some() && std::mem::take(&mut slots.dress) {
+            return Some(Task::Dress);
         }
         if self.lit
             && let Some(request) = slots.inspect.take()
@@ -175,7 +183,9 @@ impl Bench {
                 });
                 self.solution = live.as_ref().map(|l| Arc::new(l.current().clone()));
                 self.live = live;
-                self.shared.slots().measure = true;
+                let mut slots = self.shared.slots();
+                slots.measure = true;
+                slots.dress |= slots.copies.is_some();
             }
         }
     }
@@ -217,7 +227,30 @@ impl Bench {
     fn show(&mut self, light: Arc<LightTransportSolution>) {
         self.solution = Some(Arc::clone(&light));
         self.shared.slots().measure = true;
-        self.tell(News::Solution(light));
+        self.dress();
+    }
+
+    /// Shows the light, with the copies in it where there are any.
+    fn dress(&mut self) {
+        let Some(bare) = self.solution.clone() else { return };
+        let Some(request) = self.shared.slots().copies.clone() else {
+            return self.tell(News::Solution(bare));
+        };
+        let mesh = bare.scene.objects.get(request.copies.object).and_then(|o| o.parts.first());
+        let mesh = mesh.map(|p| bare.scene.meshes[p.mesh].clone());
+        let known = self.copied.as_ref().filter(|(object, of, _)| {
+            *object == request.copies.object && mesh.as_ref().is_some_and(|m| Arc::ptr_eq(m, of))
+        });
+        let known = known.map(|c| c.2.clone());
+        let dressed = self.job("Putting the copies in", Rank::Stop, |_, progress| {
+            progress.begin("copies");
+            request.dress(&bare, known.as_ref())
+        });
+        let Some(dressed) = dressed else { return self.tell(News::Solution(bare)) };
+        if let (Some(mesh), Some(guest)) = (mesh, dressed.guests.first()) {
+            self.copied = Some((request.copies.object, mesh, guest.known.clone()));
+        }
+        self.tell(News::Solution(Arc::new(dressed)));
     }
 
     fn measure(&mut self, placement: &Placement) {

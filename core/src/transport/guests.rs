@@ -25,6 +25,8 @@ pub struct Visitor {
     pub volume: Arc<IrradianceVolume>,
     /// The part of the light it is shown in.
     pub part: Part,
+    /// Its nodes and self-occlusion, where they are known from an earlier visit; else they are made.
+    pub known: Option<Arc<DynamicObject>>,
 }
 
 /// A thing put in after the solve.
@@ -54,15 +56,18 @@ impl LightTransportSolution {
         for visitor in visitors {
             let object = world.add_object(&visitor.parts, visitor.world_from_object);
             let meshes: Vec<Arc<Mesh>> = visitor.parts.iter().map(|p| p.0.clone()).collect();
-            let spacing =
-                0.5 * visitor.volume.grid().cell_size().min_element() / visitor.volume.grid().inner() as f32;
-            let borrowed: Vec<&Mesh> = meshes.iter().map(|m| &**m).collect();
-            let mut known = DynamicObject::of_meshes(&borrowed, &world.geometry, object, Some(spacing));
-            known.occlude(&world, object, self.provenance.seed);
+            let known = visitor.known.clone().unwrap_or_else(|| {
+                let grid = visitor.volume.grid();
+                let spacing = 0.5 * grid.cell_size().min_element() / grid.inner() as f32;
+                let borrowed: Vec<&Mesh> = meshes.iter().map(|m| &**m).collect();
+                let mut known = DynamicObject::of_meshes(&borrowed, &world.geometry, object, Some(spacing));
+                known.occlude(&world, object, self.provenance.seed);
+                Arc::new(known)
+            });
             guests.push(Guest {
                 object: object as u32,
                 meshes,
-                known: Arc::new(known),
+                known,
                 volume: visitor.volume.clone(),
                 part: visitor.part,
             });

@@ -1,0 +1,130 @@
+//! `copies`: one object twice, side by side, lit by two volumes at once.
+
+use super::{
+    Common, parse_point, parse_size,
+    render::{Backend, auto_display, picture, write_png},
+    solve,
+};
+use crate::copies::{Copies, CopiesRequest, CopyLight, CopyVolume};
+use anyhow::{Context, bail};
+use clap::Args;
+use glam::Vec3;
+use lumenscope_core::{
+    irradiance_volume::{IrradianceVolume, VolumeSettings, dynamic_object::Detail},
+    math::{colour::luminance, part::Part},
+    transport::LightTransportSolution,
+};
+use std::{path::PathBuf, sync::Arc};
+
+/// Options of `copies`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// Name of the object that is copied.
+    #[arg(long)]
+    object: String,
+    /// Folder for `copies.png` and `copies.json`.
+    #[arg(long)]
+    out: PathBuf,
+    /// Volume and light of the left copy: rows of bins a hemisphere, then all, direct or indirect.
+    #[arg(long, value_parser = parse_light, default_value = "5:all")]
+    left: (u32, Part),
+    /// Volume and light of the right copy.
+    #[arg(long, value_parser = parse_light, default_value = "17:all")]
+    right: (u32, Part),
+    /// The place midway between the copies, m; the middle of the scene by default.
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
+    at: Option<Vec3>,
+    /// Picture size.
+    #[arg(long, default_value = "960x540", value_parser = parse_size)]
+    size: [u32; 2],
+}
+
+/// `N:PART`.
+fn parse_light(text: &str) -> Result<(u32, Part), String> {
+    let wrong = || format!("`{text}` is not N:all, N:direct or N:indirect with N from 1 to 64");
+    let (n, part) = text.split_once(':').ok_or_else(wrong)?;
+    let part = match part {
+        "all" => Part::All,
+        "direct" => Part::Direct,
+        "indirect" => Part::Indirect,
+        _ => return Err(wrong()),
+    };
+    let n = n.parse().ok().filter(|n| (1..=64).contains(n)).ok_or_else(wrong)?;
+    Ok((n, part))
+}
+
+/// Solves, puts the copies in, writes the picture, prints how they differ.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    solve::output_folder(&options.out)?;
+    let loaded = solve::load(&options.scene, common)?;
+    let Some(object) = loaded.scene.objects.iter().position(|o| o.name == options.object) else {
+        bail!("{}: no object is named \"{}\"", options.scene.display(), options.object);
+    };
+    let bare = solve::solve(&loaded, true)?;
+    let present = bare.volume.clone().context("the plan built no volume")?;
+    let sides = [options.left, options.right];
+    let mut volumes = Vec::new();
+    for (n, _) in sides {
+        volumes.push(if n == present.settings().bins_n {
+            present.clone()
+        } else {
+            let settings = VolumeSettings { bins_n: n, ..present.settings().clone() };
+            Arc::new(solve::watched(|p| {
+                IrradianceVolume::build(&bare.world, &*bare.radiosity, &settings, p)
+            })?)
+        });
+    }
+    let mut copies = Copies::of(&loaded.scene, object);
+    copies.at = options.at.unwrap_or(copies.at);
+    copies.lights = sides.map(|(_, part)| CopyLight { volume: CopyVolume::Present, part });
+    let request = CopiesRequest { copies, volumes: [0, 1].map(|i| Some(volumes[i].clone())) };
+    let dressed = request.dress(&bare, None)?;
+    let (layers, _) = picture(&dressed, options.size, 8, Backend::Cpu, common.seed)?;
+    let shown = layers.sum([1.0; 3]);
+    write_png(&options.out.join("copies.png"), &shown, &auto_display(&shown))?;
+    let [left, right] = [0, 1].map(|i| node_light(&dressed, i));
+    let mean = |v: &[f32]| v.iter().map(|e| f64::from(*e)).sum::<f64>() / v.len().max(1) as f64;
+    let mut off: Vec<f32> =
+        left.iter().zip(&right).filter(|(_, r)| **r > 0.0).map(|(l, r)| (l / r - 1.0).abs()).collect();
+    off.sort_by(f32::total_cmp);
+    let at = |share: f64| off.get((share * off.len().saturating_sub(1) as f64) as usize).copied();
+    let side = |i: usize, light: &[f32]| {
+        serde_json::json!({
+            "bins": volumes[i].bins().len(),
+            "part": format!("{:?}", sides[i].1).to_lowercase(),
+            "mean_illuminance_lx": mean(light),
+        })
+    };
+    let report = serde_json::json!({
+        "scene": options.scene,
+        "object": options.object,
+        "left": side(0, &left),
+        "right": side(1, &right),
+        "nodes": left.len(),
+        "relative_difference_median": at(0.5),
+        "relative_difference_95th": at(0.95),
+    });
+    let report = serde_json::to_string_pretty(&report)?;
+    solve::write(&options.out.join("copies.json"), &report)?;
+    println!("{report}");
+    Ok(())
+}
+
+/// Illuminance at the nodes of a guest, from its own volume, lx.
+fn node_light(solution: &LightTransportSolution, guest: usize) -> Vec<f32> {
+    let guest = &solution.guests[guest];
+    let of = |part| {
+        let geometry = &solution.world.geometry;
+        guest.known.irradiance(&guest.volume, geometry, guest.object as usize, part, 1.0, Detail::Fine)
+    };
+    let parts = match guest.part {
+        Part::All => vec![of(Part::Direct), of(Part::Indirect)],
+        part => vec![of(part)],
+    };
+    (0..guest.known.places.len()).map(|i| parts.iter().map(|p| luminance(p[i])).sum()).collect()
+}

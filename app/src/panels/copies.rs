@@ -1,0 +1,82 @@
+//! Two copies of the selected thing, lit by two volumes at once.
+
+use super::{edit_view, section};
+use crate::{
+    command::Command,
+    copies::{Copies, CopyLight, CopyVolume},
+    session::Session,
+};
+use egui::{ComboBox, DragValue, Grid, Ui};
+use lumenscope_core::{math::part::Part, scene::Target};
+
+/// Shows what is copied and what lights each copy.
+pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
+    let Some(scene) = session.scene.as_deref() else { return };
+    section(ui, "Two copies");
+    edit_view(&session.document.view, out, |view| {
+        let selected = match view.selected {
+            Some(Target::Object(i)) => Some(i),
+            _ => None,
+        };
+        let mut on = view.copies.is_some();
+        let hint = "Two copies of the selected object side by side, each lit from a volume of its own: present or kept, \
+                    in a part of its light. They shadow what is under them but send no light back.";
+        let name = match view.copies.map(|c| c.object).or(selected) {
+            Some(i) => format!("Copies of {}", scene.objects.get(i).map_or("", |o| &o.name)),
+            None => "Copies of what is selected".into(),
+        };
+        ui.add_enabled_ui(on || selected.is_some(), |ui| {
+            if ui.checkbox(&mut on, name).on_hover_text(hint).changed() {
+                view.copies = selected.filter(|_| on).map(|object| Copies {
+                    at: view.probe.map_or(Copies::of(scene, object).at, |p| p.0),
+                    ..Copies::of(scene, object)
+                });
+            }
+        });
+        let Some(copies) = &mut view.copies else { return };
+        Grid::new("copies").num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
+            for (name, light) in ["Left", "Right"].into_iter().zip(&mut copies.lights) {
+                ui.label(name);
+                lit_by(ui, name, session, light);
+                ui.end_row();
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("At").on_hover_text("The place midway between the copies, m");
+            for (axis, value) in ["x", "y", "z"].iter().zip(copies.at.as_mut()) {
+                let number = ui.add(DragValue::new(value).speed(0.01).max_decimals(2).suffix(" m"));
+                number.ctx.accesskit_node_builder(number.id, |n| n.set_label(format!("Copies {axis}")));
+            }
+        });
+    });
+}
+
+fn lit_by(ui: &mut Ui, side: &str, session: &Session, light: &mut CopyLight) {
+    let name = |volume: CopyVolume| match volume {
+        CopyVolume::Kept(n) => session.kept.get(n).map_or("present volume", |k| k.name.as_str()),
+        CopyVolume::Present => "present volume",
+    };
+    let list = ComboBox::from_id_salt((side, "volume")).width(110.0).selected_text(name(light.volume));
+    let list = list.show_ui(ui, |ui| {
+        for volume in
+            std::iter::once(CopyVolume::Present).chain((0..session.kept.len()).map(CopyVolume::Kept))
+        {
+            ui.selectable_value(&mut light.volume, volume, name(volume));
+        }
+    });
+    let label = format!("Volume of the {} copy", side.to_lowercase());
+    list.response.ctx.accesskit_node_builder(list.response.id, |n| n.set_label(label));
+    let part = |part| match part {
+        Part::All => "all",
+        Part::Direct => "direct",
+        Part::Indirect => "indirect",
+    };
+    let list = ComboBox::from_id_salt((side, "part")).width(70.0).selected_text(part(light.part));
+    let list = list.show_ui(ui, |ui| {
+        for choice in [Part::All, Part::Direct, Part::Indirect] {
+            ui.selectable_value(&mut light.part, choice, part(choice));
+        }
+    });
+    let label = format!("Light of the {} copy", side.to_lowercase());
+    list.response.ctx.accesskit_node_builder(list.response.id, |n| n.set_label(label));
+}

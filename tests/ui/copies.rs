@@ -1,0 +1,54 @@
+//! Two copies of one thing, each lit from a volume of its own.
+
+use crate::window::Window;
+use lumenscope::{
+    command::Command,
+    copies::{Copies, CopyVolume},
+};
+use lumenscope_core::{math::part::Part, scene::Target};
+
+#[test]
+fn two_copies_are_lit_by_two_volumes_at_once() {
+    let mut window = Window::on_room();
+    window.wait_picture();
+    let mut view = window.view();
+    view.selected = Some(Target::Object(1));
+    window.run(Command::View(Box::new(view)));
+    window.run(Command::KeepVolume);
+    window.wait_picture();
+    let before = window.picture();
+    window.click("Views");
+    window.click("Copies of block");
+    let copies = window.view().copies.expect("the box was ticked");
+    assert_eq!((copies.object, copies.lights[1].part), (1, Part::Indirect));
+    window.wait("the copies", |app| app.session().solution.as_ref().is_some_and(|s| s.guests.len() == 2));
+    assert!(window.app().session().is_lit_as_edited(), "copies need no new light");
+    window.wait_other_picture(&before);
+    window.keep("copies");
+
+    // The right one from the volume that was kept; the light goes on following the lamp with them in it.
+    let mut view = window.view();
+    let mut lights = copies.lights;
+    lights[1].volume = CopyVolume::Kept(0);
+    view.copies = Some(Copies { lights, ..copies });
+    window.run(Command::View(Box::new(view)));
+    let kept = window.app().session().kept[0].volume.clone();
+    window.wait("the kept volume", |app| {
+        let guests = app.session().solution.as_ref().map(|s| s.guests.clone());
+        guests.is_some_and(|g| g.len() == 2 && std::sync::Arc::ptr_eq(&g[1].volume, &kept))
+    });
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.5, dragging: false });
+    window.wait_lit();
+    let solution = window.app().session().solution.clone().expect("there is light");
+    let dimmed = solution.volume.clone().expect("there is a volume");
+    assert!(std::sync::Arc::ptr_eq(&solution.guests[0].volume, &dimmed), "the left one follows the light");
+    assert!(std::sync::Arc::ptr_eq(&solution.guests[1].volume, &kept), "the right one keeps its volume");
+
+    // Nonsense is left out, and without the copies the scene is as it was.
+    let mut view = window.view();
+    view.copies = Some(Copies { object: 99, ..copies });
+    window.run(Command::View(Box::new(view)));
+    assert!(window.view().copies.is_none());
+    window
+        .wait("the scene alone", |app| app.session().solution.as_ref().is_some_and(|s| s.guests.is_empty()));
+}
