@@ -11,10 +11,13 @@ use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
     irradiance_volume::{IrradianceVolume, VolumeSettings, dynamic_object::Detail},
-    math::{colour::luminance, part::Part},
+    math::{colour::luminance, image::LinearImage, part::Part},
     transport::LightTransportSolution,
 };
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// Options of `copies`.
 #[derive(Args)]
@@ -66,6 +69,24 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         bail!("{}: no object is named \"{}\"", options.scene.display(), options.object);
     };
     let bare = solve::solve(&loaded, true)?;
+    let (shown, report) = draw(options, &bare, object, common.seed)?;
+    write_png(&options.out.join("copies.png"), &shown, &auto_display(&shown))?;
+    let report = serde_json::to_string_pretty(&report)?;
+    solve::write(&options.out.join("copies.json"), &report)?;
+    println!("{report}");
+    Ok(())
+}
+
+/// The picture of a solution with two copies of an object in it, and how the light on them differs.
+///
+/// # Errors
+/// Where there is no volume, or one of the two cannot be built.
+pub fn draw(
+    options: &Options,
+    bare: &LightTransportSolution,
+    object: usize,
+    seed: u64,
+) -> anyhow::Result<(LinearImage, serde_json::Value)> {
     let present = bare.volume.clone().context("the plan built no volume")?;
     let sides = [options.left, options.right];
     let mut volumes = Vec::new();
@@ -79,14 +100,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             })?)
         });
     }
-    let mut copies = Copies::of(&loaded.scene, object);
+    let mut copies = Copies::of(&bare.scene, object);
     copies.at = options.at.unwrap_or(copies.at);
     copies.lights = sides.map(|(_, part)| CopyLight { volume: CopyVolume::Present, part });
     let request = CopiesRequest { copies, volumes: [0, 1].map(|i| Some(volumes[i].clone())) };
-    let dressed = request.dress(&bare, None)?;
-    let (layers, _) = picture(&dressed, options.size, 8, Backend::Cpu, common.seed)?;
+    let dressed = request.dress(bare, None)?;
+    let (layers, _) = picture(&dressed, options.size, 8, Backend::Cpu, seed)?;
     let shown = layers.sum([1.0; 3]);
-    write_png(&options.out.join("copies.png"), &shown, &auto_display(&shown))?;
     let [left, right] = [0, 1].map(|i| node_light(&dressed, i));
     let mean = |v: &[f32]| v.iter().map(|e| f64::from(*e)).sum::<f64>() / v.len().max(1) as f64;
     let mut off: Vec<f32> =
@@ -109,10 +129,22 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "relative_difference_median": at(0.5),
         "relative_difference_95th": at(0.95),
     });
-    let report = serde_json::to_string_pretty(&report)?;
-    solve::write(&options.out.join("copies.json"), &report)?;
-    println!("{report}");
-    Ok(())
+    Ok((shown, report))
+}
+
+impl Options {
+    /// Two copies of the office's chair over a desk, for the tour.
+    pub fn for_tour(scene: &Path, size: [u32; 2]) -> Self {
+        Self {
+            scene: scene.to_path_buf(),
+            object: "Chair".into(),
+            out: PathBuf::new(),
+            left: (5, Part::All),
+            right: (17, Part::All),
+            at: Some(Vec3::new(0.2, 1.45, 0.9)),
+            size,
+        }
+    }
 }
 
 /// Illuminance at the nodes of a guest, from its own volume, lx.

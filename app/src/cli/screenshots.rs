@@ -3,10 +3,10 @@
 use crate::examples::{self, Example};
 
 use super::{
-    Common,
+    Common, copies,
     probe::looking_from,
     render::{self, Backend, auto_display},
-    small_png, solve,
+    small_png, solve, wall,
 };
 use crate::widgets::resolutions::ROWS;
 use clap::Args;
@@ -65,9 +65,21 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         // Before the open front of the Cornell box there is little to see.
         if example == Example::Office {
             resolutions(&solution, &folder)?;
+            put_in(&path, &solution, &folder, common.seed)?;
         }
     }
     super::tour::write(&options.out.join("program"))
+}
+
+/// What is put into the office after the solve: the wall, and two copies of a chair.
+fn put_in(path: &Path, solution: &LightTransportSolution, folder: &Path, seed: u64) -> anyhow::Result<()> {
+    let write = |name: &str, shown: &LinearImage| {
+        let pixels = composite::display(shown, &auto_display(shown));
+        small_png::write(&folder.join(name), shown.width, shown.height, &pixels)
+    };
+    write("wall.png", &wall::draw(&wall::Options::for_tour(path, SIZE), solution, seed)?.0)?;
+    let Some(chair) = solution.scene.objects.iter().position(|o| o.name == "Chair") else { return Ok(()) };
+    write("copies.png", &copies::draw(&copies::Options::for_tour(path, SIZE), solution, chair, seed)?.0)
 }
 
 /// Diameter of a ball in the picture of all resolutions, pixels.

@@ -8,13 +8,20 @@ use super::{
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::Vec3;
-use lumenscope_core::superposition::{
-    gbuffer::GBuffer,
-    pass::PassSettings,
-    streamed::{StreamedPicture, Strip},
+use lumenscope_core::{
+    math::image::LinearImage,
+    superposition::{
+        gbuffer::GBuffer,
+        pass::PassSettings,
+        streamed::{StreamedPicture, Strip},
+    },
+    transport::LightTransportSolution,
 };
 use lumenscope_scenes::wall::Wall;
-use std::{path::PathBuf, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// Options of `wall`.
 #[derive(Args)]
@@ -72,11 +79,28 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let scene = std::sync::Arc::make_mut(&mut loaded.scene);
     scene.camera.eye = options.eye.unwrap_or(scene.camera.eye);
     scene.camera.target = options.target.unwrap_or(scene.camera.target);
-    let camera = scene.camera;
     let solution = solve::solve(&loaded, true)?;
+    let (shown, report) = draw(options, &solution, common.seed)?;
+    write_png(&options.out.join("wall.png"), &shown, &auto_display(&shown))?;
+    let report = serde_json::to_string_pretty(&report)?;
+    solve::write(&options.out.join("wall.json"), &report)?;
+    println!("{report}");
+    Ok(())
+}
+
+/// The picture of a solution with the wall in it, and what it took.
+///
+/// # Errors
+/// Where there is no volume to light the wall.
+pub fn draw(
+    options: &Options,
+    solution: &LightTransportSolution,
+    seed: u64,
+) -> anyhow::Result<(LinearImage, serde_json::Value)> {
+    let camera = solution.scene.camera;
     let volume = solution.volume.as_deref().context("the plan built no volume")?;
     let [width, height] = options.size;
-    let (layers, _) = picture(&solution, options.size, 8, Backend::Cpu, common.seed)?;
+    let (layers, _) = picture(solution, options.size, 8, Backend::Cpu, seed)?;
     let mut shown = layers.sum([1.0; 3]);
     let size = glam::UVec2::new(width, height);
     let buffer = GBuffer::new(&solution.world, &camera, size, PassSettings::default().subpixel());
@@ -97,7 +121,6 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let start = Instant::now();
     streamed.composite(&mut shown, &solution.world, options.shadow_rays);
     let direct = start.elapsed();
-    write_png(&options.out.join("wall.png"), &shown, &auto_display(&shown))?;
     let counts = streamed.counts();
     let report = serde_json::json!({
         "scene": options.scene,
@@ -112,8 +135,25 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "peak_bytes_before": before,
         "peak_bytes": peak_bytes(),
     });
-    let report = serde_json::to_string_pretty(&report)?;
-    solve::write(&options.out.join("wall.json"), &report)?;
-    println!("{report}");
-    Ok(())
+    Ok((shown, report))
+}
+
+impl Options {
+    /// The wall before the office's left wall, for the tour.
+    pub fn for_tour(scene: &Path, size: [u32; 2]) -> Self {
+        Self {
+            scene: scene.to_path_buf(),
+            out: PathBuf::new(),
+            polygons: 612_000,
+            corner: Vec3::new(-3.985, 0.0, 3.0),
+            edge_u: Vec3::Z * -6.0,
+            edge_v: Vec3::Y * 2.8,
+            reflectance: 0.55,
+            rows: 8,
+            shadow_rays: 16,
+            size,
+            eye: None,
+            target: None,
+        }
+    }
 }
