@@ -166,11 +166,16 @@ impl Tour {
     }
 
     fn open(&mut self, example: Example) -> anyhow::Result<()> {
+        let before = self.harness.state().session().base.clone();
         self.run(Command::OpenExample(example));
         if self.harness.state().asked().is_some() {
             self.harness.run_steps(2);
             self.click("Discard");
         }
+        self.wait("the scene", |app| match (&before, &app.session().base) {
+            (Some(before), Some(now)) => !std::sync::Arc::ptr_eq(before, now),
+            (_, now) => now.is_some(),
+        })?;
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
     }
 
