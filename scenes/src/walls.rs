@@ -89,6 +89,7 @@ fn two_rooms() -> Model {
     let material = grey(&mut model);
     model.stand("Lit room", Parts::of(material, room([-2.0, 0.0, -1.5], [0.29, 2.5, 1.5])));
     model.stand("Dark room", Parts::of(material, room([0.31, 0.0, -1.5], [2.0, 2.5, 1.5])));
+    model.stand("Chest in the dark", Parts::of(material, cuboid(v(1.2, 0.001, -0.4), v(1.7, 0.5, 0.4))));
     model
 }
 

@@ -230,7 +230,7 @@ fn choice<T: Copy + PartialEq, const N: usize>(
 /// Orders of moments that the volume holds, of those in the thesis.
 fn moments(ui: &mut Ui, held: &mut Option<Vec<Order>>) {
     ui.label("Moments").on_hover_text(
-        "Orders kept beside the irradiance, for glossy objects: H = (n + 1)/2 ∫ L max(0, cos)ⁿ dω, lx. Each \
+        "Orders kept beside the irradiance, for glossy objects: H = (n + 1)/2 ∫ L max(0, cos)^n dω, lx. Each \
          takes as much memory again",
     );
     ui.label("");

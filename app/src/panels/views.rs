@@ -77,7 +77,7 @@ fn volume(ui: &mut Ui, v: &mut VolumeView) {
         });
         ui.end_row();
         ui.label("Moment").on_hover_text(
-            "Order n of H(x, ω) = (n + 1)/2 ∫ L(x, ω') max(0, ω·ω')ⁿ dω', lx; 1 is irradiance. The volume holds \
+            "Order n of H(x, ω) = (n + 1)/2 ∫ L(x, ω') max(0, ω·ω')^n dω', lx; 1 is irradiance. The volume holds \
              others where the plan's line of the irradiance volume says so",
         );
         ui.horizontal(|ui| {

@@ -77,7 +77,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut State, probe: &Probe, look: &Look<'_>
     });
     weights(ui);
     ui.label(
-        RichText::new("H(ω) = (n + 1)/2 ∫ L(ω') max(0, ω·ω')ⁿ dω', lx: n = 1 is irradiance, ∞ is πL.")
+        RichText::new("H(ω) = (n + 1)/2 ∫ L(ω') max(0, ω·ω')^n dω', lx: n = 1 is irradiance, ∞ is πL.")
             .small()
             .weak(),
     );
@@ -86,7 +86,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut State, probe: &Probe, look: &Look<'_>
 fn meaning(order: Order) -> &'static str {
     match order {
         Order::IRRADIANCE => "Irradiance: what a matt surface facing ω receives, lx",
-        Order::Finite(_) => "What a glossy surface that reflects towards ω as cosⁿ sees, lx",
+        Order::Finite(_) => "What a glossy surface that reflects towards ω as cos^n sees, lx",
         Order::Infinite => "What a mirror that reflects towards ω shows, times π",
     }
 }
