@@ -101,6 +101,34 @@ pub struct Legend {
     pub quantity: String,
     /// Unit: "lx".
     pub unit: String,
-    /// Range found in the data.
+    /// Range of the colours; beyond it the first and the last go on.
     pub range: [f32; 2],
+}
+
+/// Range of colours for values: from the least to the largest or, where a few are far above the rest as
+/// on and about a lamp, to the 98th percentile.
+///
+/// One lamp would otherwise leave a whole room in the first colour. Zeros when there is no finite value.
+pub fn robust_range(values: impl Iterator<Item = f32>) -> [f32; 2] {
+    const FAR_ABOVE: f32 = 3.0;
+    let mut values: Vec<f32> = values.filter(|v| v.is_finite()).collect();
+    let Some(last) = values.len().checked_sub(1) else { return [0.0; 2] };
+    let high = *values.select_nth_unstable_by(last * 98 / 100, f32::total_cmp).1;
+    let (low, most) = values.iter().fold((high, high), |(low, most), &v| (low.min(v), most.max(v)));
+    [low, if high > low && most > FAR_ABOVE * high { high } else { most }]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_lamp_does_not_set_the_colours_of_a_room() {
+        let room = (0..1000).map(|i| i as f32 * 0.1);
+        assert_eq!(robust_range(room.clone()), [0.0, 99.9]);
+        let [low, high] = robust_range(room.chain([50_000.0, f32::NAN]));
+        assert!(low == 0.0 && (97.0..100.0).contains(&high), "{low} to {high}");
+        assert_eq!(robust_range([3.0, 3.0].into_iter()), [3.0, 3.0]);
+        assert_eq!(robust_range(std::iter::empty()), [0.0, 0.0]);
+    }
 }

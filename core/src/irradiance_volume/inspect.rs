@@ -11,7 +11,7 @@ use super::{
     trust::{SampleState, seen},
 };
 use crate::{
-    inspection::{InspectionScene, Legend, Line, SphereGlyph},
+    inspection::{InspectionScene, Legend, Line, SphereGlyph, robust_range},
     math::{colour::luminance, part::Part, sphere_map::DirectionBins},
     scene::world::World,
 };
@@ -309,15 +309,8 @@ impl IrradianceVolume {
 }
 
 fn legend(quantity: Quantity, values: &[Vec3]) -> Legend {
-    let range = values
-        .iter()
-        .map(|v| luminance(*v))
-        .fold([f32::INFINITY, 0.0f32], |[low, high], v| [low.min(v), high.max(v)]);
-    Legend {
-        quantity: quantity.name().into(),
-        unit: quantity.unit().into(),
-        range: if range[0] <= range[1] { range } else { [0.0, 0.0] },
-    }
+    let range = robust_range(values.iter().map(|v| luminance(*v)));
+    Legend { quantity: quantity.name().into(), unit: quantity.unit().into(), range }
 }
 
 /// Lines along each axis through the corners of a block of cells.

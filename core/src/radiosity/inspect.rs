@@ -2,7 +2,7 @@
 
 use super::{RadiositySolution, lookup::SideMap, surface_map::UNSOLVED};
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Legend, Line},
+    inspection::{ColouredMesh, InspectionScene, Legend, Line, robust_range},
     math::{colour::luminance, part::Part},
     scene::world::World,
 };
@@ -115,7 +115,7 @@ fn coloured(
         }
         mesh.triangles.push([first, first + 1, first + 2]);
     }
-    let largest = values.iter().map(|v| luminance(*v)).fold(0.0, f32::max);
+    let [_, largest] = robust_range(values.iter().map(|v| luminance(*v)));
     InspectionScene {
         meshes: vec![mesh],
         legend: Some(Legend { quantity: quantity.into(), unit: unit.into(), range: [0.0, largest] }),
