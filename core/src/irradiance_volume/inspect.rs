@@ -7,7 +7,7 @@ use super::{
     grid::NONE,
     moments::Order,
     probe::{Probe, Quantity},
-    slice::{histogram, notes, signed_legend},
+    slice::{bulk, histogram, notes, signed_legend},
     trust::{SampleState, seen},
 };
 use crate::{
@@ -146,7 +146,7 @@ fn legend_of(volume: &IrradianceVolume, view: &VolumeView, values: &[Vec3]) -> L
 /// Spheres at the samples of A, coloured by A − B for a surface that faces that way, lx, signed.
 pub fn difference_spheres(difference: &Difference, view: &VolumeView) -> InspectionScene {
     let mut scene = spheres(difference.a, view, |i| difference.at_sample(i));
-    let most = scene.sphere_bins.iter().fold(0.0f32, |m, v| m.max(luminance(*v).abs()));
+    let most = bulk(&scene.sphere_bins);
     scene.legend = Some(signed_legend("difference of irradiance", most));
     scene.curves.push(histogram(difference));
     scene.notes.extend(notes(difference));

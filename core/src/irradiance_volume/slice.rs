@@ -44,14 +44,14 @@ impl<'a> MeanIrradiance<'a> {
 pub fn volume_slice(volume: &IrradianceVolume, view: &VolumeView) -> InspectionScene {
     let field = MeanIrradiance::new(volume, view.part);
     let mesh = mesh(volume, view, |p| field.at(p));
-    let values = mesh.values.iter().map(|v| luminance(*v));
-    let [low, high] = values.fold([f32::INFINITY, 0.0f32], |[a, b], v| [a.min(v), b.max(v)]);
+    let low = mesh.values.iter().fold(f32::INFINITY, |low, v| low.min(luminance(*v)));
+    let high = bulk(&mesh.values);
     InspectionScene {
         meshes: vec![mesh],
         legend: Some(Legend {
             quantity: "irradiance, mean over directions".into(),
             unit: "lx".into(),
-            range: if low <= high { [low, high] } else { [0.0, 0.0] },
+            range: if low <= high { [low, high] } else { [0.0, high] },
         }),
         ..InspectionScene::default()
     }
@@ -62,7 +62,7 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
     let Difference { a, b, part } = *difference;
     let (fa, fb) = (MeanIrradiance::new(a, part), MeanIrradiance::new(b, part));
     let mesh = mesh(a, view, |p| fa.at(p) - fb.at(p));
-    let most = mesh.values.iter().fold(0.0f32, |m, v| m.max(luminance(*v).abs()));
+    let most = bulk(&mesh.values);
     InspectionScene {
         meshes: vec![mesh],
         legend: Some(signed_legend("difference of mean irradiance", most)),
@@ -70,6 +70,17 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
         notes: notes(difference),
         ..InspectionScene::default()
     }
+}
+
+/// Size that 95 of 100 values stay below, by luminance: what lies next to a lamp would leave no colours for
+/// the rest, and is shown as the palette's end.
+pub(super) fn bulk(values: &[Vec3]) -> f32 {
+    let mut sizes: Vec<f32> = values.iter().map(|v| luminance(*v).abs()).collect();
+    let place = (sizes.len() * 95 / 100).min(sizes.len().max(1) - 1);
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    *sizes.select_nth_unstable_by(place, f32::total_cmp).1
 }
 
 /// Legend of a signed quantity, lx: as far below zero as above.
