@@ -173,7 +173,7 @@ fn images(b: usize, half: usize, bins: DirectionBins) -> [usize; 8] {
 
 /// Sign that image `k` has in a part of the given parity.
 fn sign(parity: usize, k: usize) -> f32 {
-    if (parity & k).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+    if (parity & k).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// One order's table of a volume: as the irradiance, encoded, bin b of sample s at s · 2n² + b.
