@@ -157,12 +157,11 @@ fn irradiance(
             // Fewer rays than points, as while something moves: only as many points, evenly chosen.
             let points = FOOTPRINT.min(shadow_rays.max(1) as usize);
             let rays = shadow_rays.div_ceil(points as u32);
-            let sum = (0..points).fold(Vec3::ZERO, |sum, point| {
+            let receivers = (0..points).map(|point| {
                 let k = point * FOOTPRINT / points;
-                let scramble = hash2(((block * BLOCK + i) * FOOTPRINT + k) as u32, seed);
-                sum + direct::irradiance(world, emitter, &footprint[k], rays, scramble)
+                (&footprint[k], hash2(((block * BLOCK + i) * FOOTPRINT + k) as u32, seed))
             });
-            sum / points as f32
+            direct::mean_irradiance(world, emitter, receivers, rays)
         }));
     }
     Ok(table)

@@ -67,17 +67,9 @@ pub fn irradiance(
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO || below_horizon(area, receiver) => Vec3::ZERO,
         Emitter::Area(area) if !area.textured && area.triangles.len() <= ANALYTIC_TRIANGLES => {
-            let unshadowed = area.radiance * area_factor(world, area, receiver);
-            if unshadowed == Vec3::ZERO {
-                return Vec3::ZERO;
-            }
-            let (mut visible, mut total) = (0.0, 0.0);
-            for j in 0..samples.max(1) {
-                let (weight, _, seen) = area_sample(world, area, receiver, j, scramble);
-                total += weight;
-                visible += if seen { weight } else { 0.0 };
-            }
-            if total > 0.0 { unshadowed * (visible / total) } else { Vec3::ZERO }
+            let mut light = PartlyHidden::default();
+            light.add(world, area, receiver, samples, scramble);
+            area.radiance * light.factor()
         }
         Emitter::Area(area) => {
             let mut sum = Vec3::ZERO;
@@ -89,6 +81,60 @@ pub fn irradiance(
             }
             sum * (area.area() / samples.max(1) as f32)
         }
+    }
+}
+
+/// Mean irradiance from one emitter over the receivers of a footprint, lx per channel, `samples` shadow
+/// rays at each; `scramble` gives each its own.
+///
+/// The visible share of an emitter is estimated from the rays of all receivers together: a ratio of few
+/// samples is biased, by some 7 % at two where the emitter is large and near.
+pub fn mean_irradiance<'a>(
+    world: &World,
+    emitter: &Emitter,
+    receivers: impl ExactSizeIterator<Item = (&'a Receiver, u32)>,
+    samples: u32,
+) -> Vec3 {
+    let count = receivers.len().max(1) as f32;
+    if let Emitter::Area(area) = emitter
+        && !area.textured
+        && area.triangles.len() <= ANALYTIC_TRIANGLES
+    {
+        let mut light = PartlyHidden::default();
+        for (receiver, scramble) in receivers.filter(|(r, _)| !below_horizon(area, r)) {
+            light.add(world, area, receiver, samples, scramble);
+        }
+        return area.radiance * (light.factor() / count);
+    }
+    receivers.fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble))
+        / count
+}
+
+/// Closed-form irradiance of receivers from one emitter of unit radiance, and how much of it is seen.
+#[derive(Default)]
+struct PartlyHidden {
+    unshadowed: f32,
+    visible: f32,
+    total: f32,
+}
+
+impl PartlyHidden {
+    fn add(&mut self, world: &World, area: &AreaEmitter, receiver: &Receiver, samples: u32, scramble: u32) {
+        let factor = area_factor(world, area, receiver);
+        if factor == 0.0 || area.radiance == Vec3::ZERO {
+            return;
+        }
+        self.unshadowed += factor;
+        for j in 0..samples.max(1) {
+            let (weight, _, seen) = area_sample(world, area, receiver, j, scramble);
+            self.total += weight;
+            self.visible += if seen { weight } else { 0.0 };
+        }
+    }
+
+    /// Sum over the receivers, sr projected.
+    fn factor(&self) -> f32 {
+        if self.total > 0.0 { self.unshadowed * (self.visible / self.total) } else { 0.0 }
     }
 }
 
