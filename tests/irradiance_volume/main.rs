@@ -23,6 +23,7 @@ use lumenscope_core::{
         grid::{BilevelGrid, trilinear},
         inspect::{VolumeView, grid_lines, probe_scene, volume_spheres},
         probe::{Probe, Quantity},
+        trust::Repair,
     },
     math::{
         frame::uniform_direction, part::Part, progress::Progress, random::Rng, sphere_map::DirectionBins,
@@ -130,7 +131,12 @@ impl Zip4 for [f32; 4] {
 }
 
 fn small(samples: [u32; 3]) -> VolumeSettings {
-    VolumeSettings { samples: Some(samples), ..VolumeSettings::default() }
+    VolumeSettings { samples: Some(samples), ..plain_settings() }
+}
+
+/// Samples in solids left out and nothing guarded: plain trilinear interpolation.
+fn plain_settings() -> VolumeSettings {
+    VolumeSettings { repair: Repair::Mask, guard: false, ..VolumeSettings::default() }
 }
 
 fn build(scene: &Scene, light: &PerTriangle, settings: &VolumeSettings) -> IrradianceVolume {

@@ -2,10 +2,7 @@
 
 use super::*;
 use lumenscope_core::{
-    irradiance_volume::{
-        trust::{Repair, SampleState},
-        visibility::PointState,
-    },
+    irradiance_volume::{trust::SampleState, visibility::PointState},
     math::colour::luminance,
     radiosity::{RadiositySettings, RadiositySolution},
     scene::import,
@@ -45,7 +42,7 @@ fn light_leaks_through_a_thin_wall_unless_guarded() {
     // Cells of 12 cm beside it, of 50 cm, and of 1 m.
     let mut coarsest = 0.0;
     for (samples, second_level) in [(None, 3), (Some([9, 6, 7]), 2), (Some([5, 4, 4]), 2)] {
-        let settings = VolumeSettings { samples, second_level, ..VolumeSettings::default() };
+        let settings = VolumeSettings { samples, second_level, ..plain_settings() };
         let (world, plain) = solved("analytic/two_rooms.ron", &settings);
         let guarded = plain.with_guard(Some(&world));
         let leak = |volume: &IrradianceVolume| {
@@ -94,9 +91,9 @@ fn a_guard_changes_nothing_where_nothing_stands() {
 
 #[test]
 fn a_closed_box_stays_dark_and_says_why() {
-    let settings = VolumeSettings { guard: true, ..VolumeSettings::default() };
+    let settings = VolumeSettings { guard: true, ..plain_settings() };
     let (_, guarded) = solved("analytic/closed_box.ron", &settings);
-    let (world, plain) = solved("analytic/closed_box.ron", &VolumeSettings::default());
+    let (world, plain) = solved("analytic/closed_box.ron", &plain_settings());
     let (low, high) = (Vec3::new(-0.3, 0.21, -0.3), Vec3::new(0.3, 0.81, 0.3));
     let (lit, _) = light_in(&plain, Vec3::new(-1.5, 1.1, -1.5), Vec3::new(1.5, 2.4, 1.5));
     let (inside_plain, _) = light_in(&plain, low, high);
@@ -131,7 +128,7 @@ fn a_closed_box_stays_dark_and_says_why() {
 
 #[test]
 fn a_tunnel_darkens_steadily() {
-    let settings = VolumeSettings { guard: true, ..VolumeSettings::default() };
+    let settings = VolumeSettings { guard: true, ..plain_settings() };
     let (_, volume) = solved("analytic/tunnel.ron", &settings);
     let at = |x: f32| luminance(volume.irradiance(Vec3::new(x, 1.0, 0.0), Vec3::NEG_X, Part::All));
     let mut before = f32::INFINITY;
@@ -207,6 +204,9 @@ fn points_outside_fade_to_the_nearest_sample_and_say_so() {
     let beyond = |cells: f32| volume.weights(start + Vec3::X * cells * cell.x);
     assert_eq!(volume.weights((low + high) * 0.5).state, PointState::Inside);
     assert_eq!(beyond(0.2).weights, beyond(0.0).weights);
+    // A guarded volume, whose samples the walls hide from there, answers no less.
+    let guarded = volume.with_guard(Some(&World::new(&scene)));
+    assert_eq!(guarded.weights(start + Vec3::X * cell).weights.iter().sum::<f32>(), 1.0);
     let mut largest = 0.0f32;
     for i in 0..=20 {
         let at = beyond(0.1 * i as f32);

@@ -30,9 +30,9 @@ pub struct VolumeOptions {
     /// What is done with volume samples inside solids.
     #[arg(long, value_enum)]
     repair: Option<RepairName>,
-    /// Volume queries use only samples that see the point: no light through thin walls.
-    #[arg(long)]
-    guard: bool,
+    /// Whether volume queries use only samples that see the point: no light through thin walls.
+    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    guard: Option<bool>,
 }
 
 /// [`Basis`] by its name on the command line.
@@ -83,6 +83,6 @@ impl VolumeOptions {
         if !self.moments.is_empty() {
             settings.moments.clone_from(&self.moments);
         }
-        settings.guard |= self.guard;
+        settings.guard = self.guard.unwrap_or(settings.guard);
     }
 }

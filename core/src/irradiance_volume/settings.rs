@@ -71,8 +71,8 @@ impl Default for VolumeSettings {
             basis: Basis::Bins,
             ignored: Ignored::default(),
             moments: Vec::new(),
-            repair: Repair::Mask,
-            guard: false,
+            repair: Repair::default(),
+            guard: true,
         }
     }
 }

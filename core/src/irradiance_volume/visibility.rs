@@ -143,10 +143,13 @@ impl IrradianceVolume {
         let (low, high) = self.grid.bounds();
         let beyond = (point - point.clamp(low, high)).abs();
         let outside = beyond.length();
+        let over = (beyond / self.grid.cell_size()).max_element();
         let mut seen = [true; 8];
         let mut state = if outside > 0.0 { PointState::Outside(outside) } else { PointState::Inside };
         if let Some(guard) = &self.guard
             && point.is_finite()
+            // Far outside, where no sample can be seen for the walls, the nearest one answers.
+            && over <= FADE[0]
             && (outside > 0.0 || !guard.is_open(cell))
         {
             let sees = |id: u32| guard.sees(self.samples[id as usize].position, point);
@@ -172,7 +175,6 @@ impl IrradianceVolume {
                 state = PointState::Unseen;
             }
         }
-        let over = (beyond / self.grid.cell_size()).max_element();
         let fade = ((over - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
         if fade > 0.0 && corners.weights.iter().any(|&w| w > 0.0) {
             let distance = |i: usize| self.samples[corners.ids[i] as usize].position.distance_squared(point);

@@ -32,11 +32,11 @@ impl Basis {
 #[serde(rename_all = "snake_case")]
 pub enum Repair {
     /// Left out: their neighbours share their weight.
-    #[default]
     Mask,
     /// Filled with the light of the valid samples beside them.
     Dilate,
     /// Moved to the nearest free point within half a cell; masked where there is none.
+    #[default]
     Relocate,
 }
 

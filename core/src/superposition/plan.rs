@@ -81,7 +81,7 @@ impl Plan {
             settings.bins_n = over.volume_bins_n.unwrap_or(settings.bins_n);
             settings.basis = over.volume_basis.unwrap_or_default();
             settings.repair = over.volume_repair.unwrap_or_default();
-            settings.guard = over.volume_guard.unwrap_or_default();
+            settings.guard = over.volume_guard.unwrap_or(settings.guard);
             settings.moments = over.volume_moments.clone().unwrap_or_default();
             settings
         });
