@@ -297,6 +297,8 @@ impl Worker {
             slots.exports.clear();
             slots.reference = Some(None);
             slots.trace_volume = false;
+            slots.measure = false;
+            slots.dress = false;
         });
     }
 

@@ -183,9 +183,11 @@ impl Bench {
                 });
                 self.solution = live.as_ref().map(|l| Arc::new(l.current().clone()));
                 self.live = live;
+                // Without light there is nothing to measure or to put copies into.
+                let lit = self.live.is_some();
                 let mut slots = self.shared.slots();
-                slots.measure = true;
-                slots.dress |= slots.copies.is_some();
+                slots.measure = lit;
+                slots.dress = lit && (slots.dress || slots.copies.is_some());
             }
         }
     }

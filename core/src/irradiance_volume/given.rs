@@ -80,7 +80,9 @@ impl IrradianceVolume {
             .map(|e| Arc::new(Arrivals::gather(world, e, &positions, &settings)))
             .collect();
         progress.report(1.0)?;
-        Ok(Self::given(settings, self.grid.clone(), self.samples.clone(), arrivals, &radiance))
+        let guard = settings.guard.then_some(world);
+        Ok(Self::given(settings, self.grid.clone(), self.samples.clone(), arrivals, &radiance)
+            .with_guard(guard))
     }
 
     /// A volume of radiance that is given, cd/m², one value a bin of every sample.

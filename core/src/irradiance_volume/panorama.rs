@@ -11,7 +11,11 @@
 //! Pictures do not say which light comes straight from an emitter: the whole of it is in the indirect part
 //! of such a volume, and its direct part is black.
 
-use super::{IrradianceVolume, Sample, VolumeError, VolumeSettings, grid::BilevelGrid, trust::SampleState};
+use super::{
+    IrradianceVolume, Sample, VolumeError, VolumeSettings,
+    grid::BilevelGrid,
+    trust::{Repair, SampleState},
+};
 use crate::math::{image::LinearImage, progress::Progress, sphere_map::DirectionBins};
 use glam::{DVec3, UVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -140,7 +144,9 @@ impl IrradianceVolume {
         let radiance: Vec<Vec<Vec3>> =
             at.par_iter().map(|s| blended(nodes, &seen, s.position, bins)).collect();
         progress.report(1.0)?;
-        let settings = VolumeSettings { samples: Some(samples.into()), ..settings.clone() };
+        // Without a scene there is nothing to guard queries by, and nothing to move samples out of.
+        let (samples, repair) = (Some(samples.into()), Repair::Mask);
+        let settings = VolumeSettings { samples, repair, guard: false, ..settings.clone() };
         Ok(Self::given(settings, Arc::new(grid), Arc::new(at), Vec::new(), &radiance))
     }
 }

@@ -59,19 +59,21 @@ impl Transport {
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
-        const BLOCK: usize = 1024;
+        // Between two looks at whether the user gave up.
+        const RAYS_A_BLOCK: usize = 1 << 18;
         let rays = rays.max(1);
+        let block_elements = (RAYS_A_BLOCK / rays as usize).clamp(16, 1024);
         let nothing = map.elements.len() as u32;
         let mut hits = vec![nothing; map.elements.len() * rays as usize];
         let mut buried = vec![false; map.elements.len()];
         progress.begin("gathering light paths");
         for (block, (rows, buried)) in
-            hits.chunks_mut(BLOCK * rays as usize).zip(buried.chunks_mut(BLOCK)).enumerate()
+            hits.chunks_mut(block_elements * rays as usize).zip(buried.chunks_mut(block_elements)).enumerate()
         {
-            progress.report((block * BLOCK) as f32 / map.elements.len().max(1) as f32)?;
+            progress.report((block * block_elements) as f32 / map.elements.len().max(1) as f32)?;
             rows.par_chunks_mut(rays as usize).zip(buried.par_iter_mut()).enumerate().for_each(
                 |(i, (row, buried))| {
-                    let element = block * BLOCK + i;
+                    let element = block * block_elements + i;
                     if map.elements[element].flags & UNSOLVED == 0 {
                         *buried = gather_row(world, &map, element as u32, seed, row);
                     }
