@@ -89,6 +89,10 @@ fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
         })
         .collect();
     let mut answers = vec![Vec3::ZERO; queries.len()];
+    group.bench_function("volume queries, as built: guarded, one thread", |b| {
+        b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
+    });
+    let volume = volume.with_guard(None);
     for basis in [Basis::Harmonics, Basis::NearestBin, Basis::Bins] {
         let volume = volume.with_basis(basis);
         let name = format!("volume queries, {}, one thread (goal 20 M/s)", basis.name());

@@ -92,7 +92,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
         tour.wait("the view", |app| !app.is_busy())?;
         tour.photograph(&id.replace('.', "_"), GRAIN)?;
     }
-    tour.compare_volumes("Uplighter")?;
+    tour.compare_volumes("Ceiling panel")?;
     tour.view(|view| view.views.clear());
     tour.view(|view| view.weights = [0.0, 0.0, 1.0]);
     tour.photograph("indirect", GRAIN)?;
