@@ -105,7 +105,7 @@ pub struct Statistics {
 /// Measures illuminance E = ∫ L(ω) max(0, n·ω) dω at every point of a grid, lx.
 ///
 /// Direct light by `shadow_rays` rays an area emitter; indirect light as the mean radiosity that
-/// `gather_rays` cosine-distributed rays meet, since ∫ L cos θ dω = π E[L] = E[B], or from the volume.
+/// `gather_rays` cosine-distributed rays meet, since ∫ L cos θ dω = π ⟨L⟩ = ⟨B⟩, or from the volume.
 /// Points inside a solid, known by the back faces they see, are left out. The same arguments give the same
 /// bytes at any thread count.
 pub fn measure(
