@@ -64,7 +64,7 @@ impl SolveError {
 /// Shadow rays an area emitter and element while something moves.
 const MOVING_SHADOW_RAYS: u32 = 2;
 /// Sweeps of the interreflection while something moves; each starts from the last solution.
-const MOVING_SWEEPS: u32 = 2;
+const MOVING_SWEEPS: u32 = 3;
 
 /// Queries of the volume for one part of the light on all moved objects while something moves: some
 /// milliseconds on one thread.
