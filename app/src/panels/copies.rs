@@ -12,41 +12,42 @@ use lumenscope_core::{math::part::Part, scene::Target};
 /// Shows what is copied and what lights each copy.
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     let Some(scene) = session.scene.as_deref() else { return };
-    section(ui, "Two copies");
-    edit_view(&session.document.view, out, |view| {
-        let selected = match view.selected {
-            Some(Target::Object(i)) => Some(i),
-            _ => None,
-        };
-        let mut on = view.copies.is_some();
-        let hint = "Two copies of the selected object side by side, each lit from a volume of its own: present or kept, \
+    section(ui, "Two copies", |ui| {
+        edit_view(&session.document.view, out, |view| {
+            let selected = match view.selected {
+                Some(Target::Object(i)) => Some(i),
+                _ => None,
+            };
+            let mut on = view.copies.is_some();
+            let hint = "Two copies of the selected object side by side, each lit from a volume of its own: present or kept, \
                     in a part of its light. They shadow what is under them but send no light back.";
-        let name = match view.copies.map(|c| c.object).or(selected) {
-            Some(i) => format!("Copies of {}", scene.objects.get(i).map_or("", |o| &o.name)),
-            None => "Copies of what is selected".into(),
-        };
-        ui.add_enabled_ui(on || selected.is_some(), |ui| {
-            if ui.checkbox(&mut on, name).on_hover_text(hint).changed() {
-                view.copies = selected.filter(|_| on).map(|object| Copies {
-                    at: view.probe.map_or(Copies::of(scene, object).at, |p| p.0),
-                    ..Copies::of(scene, object)
-                });
-            }
-        });
-        let Some(copies) = &mut view.copies else { return };
-        Grid::new("copies").num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
-            for (name, light) in ["Left", "Right"].into_iter().zip(&mut copies.lights) {
-                ui.label(name);
-                lit_by(ui, name, session, light);
-                ui.end_row();
-            }
-        });
-        ui.horizontal(|ui| {
-            ui.label("At").on_hover_text("The place midway between the copies, m");
-            for (axis, value) in ["x", "y", "z"].iter().zip(copies.at.as_mut()) {
-                let number = ui.add(DragValue::new(value).speed(0.01).max_decimals(2).suffix(" m"));
-                number.ctx.accesskit_node_builder(number.id, |n| n.set_label(format!("Copies {axis}")));
-            }
+            let name = match view.copies.map(|c| c.object).or(selected) {
+                Some(i) => format!("Copies of {}", scene.objects.get(i).map_or("", |o| &o.name)),
+                None => "Copies of what is selected".into(),
+            };
+            ui.add_enabled_ui(on || selected.is_some(), |ui| {
+                if ui.checkbox(&mut on, name).on_hover_text(hint).changed() {
+                    view.copies = selected.filter(|_| on).map(|object| Copies {
+                        at: view.probe.map_or(Copies::of(scene, object).at, |p| p.0),
+                        ..Copies::of(scene, object)
+                    });
+                }
+            });
+            let Some(copies) = &mut view.copies else { return };
+            Grid::new("copies").num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
+                for (name, light) in ["Left", "Right"].into_iter().zip(&mut copies.lights) {
+                    ui.label(name);
+                    lit_by(ui, name, session, light);
+                    ui.end_row();
+                }
+            });
+            ui.horizontal(|ui| {
+                ui.label("At").on_hover_text("The place midway between the copies, m");
+                for (axis, value) in ["x", "y", "z"].iter().zip(copies.at.as_mut()) {
+                    let number = ui.add(DragValue::new(value).speed(0.01).max_decimals(2).suffix(" m"));
+                    number.ctx.accesskit_node_builder(number.id, |n| n.set_label(format!("Copies {axis}")));
+                }
+            });
         });
     });
 }

@@ -18,8 +18,7 @@ use lumenscope_core::{
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     edit_view(&session.document.view, out, |view| {
         layers(ui, view);
-        section(ui, "Display");
-        display(ui, view);
+        section(ui, "Display", |ui| display(ui, view));
     });
 }
 

@@ -17,7 +17,7 @@ pub mod views;
 pub mod volumes;
 
 use crate::{command::Command, session::View};
-use egui::{RichText, Ui};
+use egui::{RichText, Ui, UiBuilder};
 use glam::Vec3;
 use lumenscope_core::math::colour::luminance;
 
@@ -30,10 +30,13 @@ fn edit_view(view: &View, out: &mut Vec<Command>, edit: impl FnOnce(&mut View)) 
     }
 }
 
-/// A heading inside a panel.
-fn section(ui: &mut Ui, title: &str) {
+/// A heading inside a panel and what stands under it, whose widgets keep their ids whatever the sections
+/// before it show: a click is not lost when they grow between press and release.
+fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(6.0);
     ui.label(RichText::new(title).strong());
+    let id = ui.scope_id().with(title);
+    ui.scope_builder(UiBuilder::new().id(id), contents);
 }
 
 /// A number with about three significant digits.

@@ -202,21 +202,28 @@ fn result(ui: &mut Ui, measured: &Measurement, wanted: &Requirement) {
     let statistics = measured.statistics();
     verdict(ui, statistics.as_ref(), wanted);
     placement_map::show(ui, measured, wanted);
-    section(ui, &measured.name);
     let Some(s) = statistics else { return };
-    value_table::show(ui, "illuminance", &rows(&s));
-    ui.horizontal(|ui| {
-        if ui.button("Copy grid").on_hover_text("Copies every point as CSV: x, y, z in m, E in lx").clicked()
-        {
-            ui.ctx().copy_text(crate::cli::placement::csv(measured));
-        }
-        let how = match measured.gather_rays {
-            0 => "indirect light from the volume".to_owned(),
-            n => format!("indirect light by {n} rays a point"),
-        };
-        let left =
-            if measured.inside > 0 { format!(", {} inside things", measured.inside) } else { String::new() };
-        ui.weak(format!("{} points{left}; {how}", s.points));
+    section(ui, &measured.name, |ui| {
+        value_table::show(ui, "illuminance", &rows(&s));
+        ui.horizontal(|ui| {
+            if ui
+                .button("Copy grid")
+                .on_hover_text("Copies every point as CSV: x, y, z in m, E in lx")
+                .clicked()
+            {
+                ui.ctx().copy_text(crate::cli::placement::csv(measured));
+            }
+            let how = match measured.gather_rays {
+                0 => "indirect light from the volume".to_owned(),
+                n => format!("indirect light by {n} rays a point"),
+            };
+            let left = if measured.inside > 0 {
+                format!(", {} inside things", measured.inside)
+            } else {
+                String::new()
+            };
+            ui.weak(format!("{} points{left}; {how}", s.points));
+        });
     });
 }
 

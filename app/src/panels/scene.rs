@@ -99,7 +99,7 @@ fn selected(ui: &mut Ui, scene: &Scene, session: &Session, target: Target, out: 
     .inner
     .then(|| out.push(Command::EndDrag));
     if let Target::Object(i) = target {
-        materials(ui, scene, i);
+        section(ui, "Material", |ui| materials(ui, scene, i));
     }
 }
 
@@ -184,7 +184,6 @@ fn accessible(response: Response, name: &str) -> Response {
 }
 
 fn materials(ui: &mut Ui, scene: &Scene, object: usize) {
-    section(ui, "Material");
     let mut seen = Vec::new();
     for part in &scene.objects[object].parts {
         if seen.contains(&part.material) {

@@ -23,31 +23,33 @@ pub fn show(
     out: &mut Vec<Command>,
 ) {
     edit_view(&session.document.view, out, |view| {
-        section(ui, "Irradiance volume");
-        ui.checkbox(&mut view.volume.shown, "Spheres").on_hover_text(
+        section(ui, "Irradiance volume", |ui| {
+            ui.checkbox(&mut view.volume.shown, "Spheres").on_hover_text(
             "The volume's samples as spheres (V). The colour of a sphere in direction n is the irradiance \
              of a surface there that faces n.\n\nE(x, n) = ∫ L(x, ω) max(0, n·ω) dω, lx",
         );
-        ui.add_enabled_ui(view.volume.shown, |ui| volume(ui, &mut view.volume));
+            ui.add_enabled_ui(view.volume.shown, |ui| volume(ui, &mut view.volume));
+        });
     });
     volumes::show(ui, session, out);
     copies::show(ui, session, out);
-    section(ui, "Inside the light");
-    edit_view(&session.document.view, out, |view| {
-        for row in VIEWS.iter().filter(|r| r.id != SPHERES) {
-            let mut on = view.views.iter().any(|v| v == row.id);
-            if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
-                view.views.retain(|v| v != row.id);
-                if on {
-                    view.views.push(row.id.to_owned());
+    section(ui, "Inside the light", |ui| {
+        edit_view(&session.document.view, out, |view| {
+            for row in VIEWS.iter().filter(|r| r.id != SPHERES) {
+                let mut on = view.views.iter().any(|v| v == row.id);
+                if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
+                    view.views.retain(|v| v != row.id);
+                    if on {
+                        view.views.push(row.id.to_owned());
+                    }
                 }
             }
+        });
+        let Some(inspection) = inspection else { return };
+        for note in &inspection.notes {
+            ui.add(egui::Label::new(egui::RichText::new(note).weak().small()).wrap());
         }
     });
-    let Some(inspection) = inspection else { return };
-    for note in &inspection.notes {
-        ui.add(egui::Label::new(egui::RichText::new(note).weak().small()).wrap());
-    }
 }
 
 fn volume(ui: &mut Ui, v: &mut VolumeView) {

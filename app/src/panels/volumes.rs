@@ -14,79 +14,81 @@ use lumenscope_core::{inspection::Curve, scene::Target};
 /// Shows what the volume is compared with.
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     let Some(scene) = session.scene.as_deref() else { return };
-    section(ui, "Compare volumes");
-    let view = &session.document.view;
-    edit_view(view, out, |view| {
-        let against = &mut view.volume.against;
-        ui.radio_value(against, Against::Ignoring, "Without the light of").on_hover_text(
+    section(ui, "Compare volumes", |ui| {
+        let view = &session.document.view;
+        edit_view(view, out, |view| {
+            let against = &mut view.volume.against;
+            ui.radio_value(against, Against::Ignoring, "Without the light of").on_hover_text(
             "The same volume, but rays that meet these surfaces bring nothing; from what the rays met, so \
              nothing is traced again. Select something in the scene and press I to add it or take it away.\n\n\
              E_A − E_B = what comes straight from them, lx",
         );
-        let ignored: Vec<Target> = view.volume.ignored.iter().copied().collect();
-        ui.indent("ignored", |ui| {
-            for target in ignored.iter().copied().filter(|&t| exists(scene, t)) {
-                let name = scene.target_name(target);
-                ui.horizontal(|ui| {
-                    let close = ui.small_button("×").on_hover_text("Count its light again");
-                    close.ctx.accesskit_node_builder(close.id, |n| n.set_label(format!("Count {name}")));
-                    if close.clicked() {
-                        view.volume.ignored.remove(&target);
+            let ignored: Vec<Target> = view.volume.ignored.iter().copied().collect();
+            ui.indent("ignored", |ui| {
+                for target in ignored.iter().copied().filter(|&t| exists(scene, t)) {
+                    let name = scene.target_name(target);
+                    ui.horizontal(|ui| {
+                        let close = ui.small_button("×").on_hover_text("Count its light again");
+                        close.ctx.accesskit_node_builder(close.id, |n| n.set_label(format!("Count {name}")));
+                        if close.clicked() {
+                            view.volume.ignored.remove(&target);
+                        }
+                        ui.label(name);
+                    });
+                }
+                match view.selected.filter(|t| exists(scene, *t) && !ignored.contains(t)) {
+                    Some(target) => {
+                        let text = format!("Ignore {}", scene.target_name(target));
+                        if ui.button(text).on_hover_text("Leave its light out (I)").clicked() {
+                            toggle_ignored(&mut view.volume, target);
+                        }
                     }
-                    ui.label(name);
+                    None if ignored.is_empty() => {
+                        ui.weak("Click something in the scene, then press I.");
+                    }
+                    None => {}
+                }
+            });
+            for (number, kept) in session.kept.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    ui.radio_value(&mut view.volume.against, Against::Kept(number), &kept.name)
+                        .on_hover_text("A volume that was kept: samples × bins");
                 });
             }
-            match view.selected.filter(|t| exists(scene, *t) && !ignored.contains(t)) {
-                Some(target) => {
-                    let text = format!("Ignore {}", scene.target_name(target));
-                    if ui.button(text).on_hover_text("Leave its light out (I)").clicked() {
-                        toggle_ignored(&mut view.volume, target);
-                    }
+            let mut on = view.views.iter().any(|v| v == DIFFERENCES[0]);
+            if ui.checkbox(&mut on, "Show the difference").on_hover_text("A − B at the samples, lx").changed()
+            {
+                view.views.retain(|v| v != DIFFERENCES[0]);
+                if on {
+                    view.views.push(DIFFERENCES[0].to_owned());
                 }
-                None if ignored.is_empty() => {
-                    ui.weak("Click something in the scene, then press I.");
-                }
-                None => {}
             }
         });
-        for (number, kept) in session.kept.iter().enumerate() {
-            ui.horizontal(|ui| {
-                ui.radio_value(&mut view.volume.against, Against::Kept(number), &kept.name)
-                    .on_hover_text("A volume that was kept: samples × bins");
-            });
-        }
-        let mut on = view.views.iter().any(|v| v == DIFFERENCES[0]);
-        if ui.checkbox(&mut on, "Show the difference").on_hover_text("A − B at the samples, lx").changed() {
-            view.views.retain(|v| v != DIFFERENCES[0]);
-            if on {
-                view.views.push(DIFFERENCES[0].to_owned());
+        ui.horizontal_wrapped(|ui| {
+            if ui
+                .button("Keep this volume")
+                .on_hover_text("Keep it as it is, to compare later ones with")
+                .clicked()
+            {
+                out.push(Command::KeepVolume);
             }
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        if ui
-            .button("Keep this volume")
-            .on_hover_text("Keep it as it is, to compare later ones with")
-            .clicked()
-        {
-            out.push(Command::KeepVolume);
-        }
-        let trace = ui.button("Path-trace a volume").on_hover_text(
+            let trace = ui.button("Path-trace a volume").on_hover_text(
             "The same samples and bins, lit by the path tracer: what the volume should be. It takes minutes; \
              Esc or the cross beside its progress stops it.",
         );
-        if trace.clicked() {
-            out.push(Command::TraceVolume);
-        }
-        if let Against::Kept(number) = view.volume.against
-            && session.kept.get(number).is_some()
-            && ui.button("Forget").on_hover_text("Forget the volume that is compared with").clicked()
-        {
-            out.push(Command::ForgetVolume(number));
-        }
+            if trace.clicked() {
+                out.push(Command::TraceVolume);
+            }
+            if let Against::Kept(number) = view.volume.against
+                && session.kept.get(number).is_some()
+                && ui.button("Forget").on_hover_text("Forget the volume that is compared with").clicked()
+            {
+                out.push(Command::ForgetVolume(number));
+            }
+        });
+        let curves = session.inspection.iter().flat_map(|i| &i.curves);
+        curves.filter(|c| !c.radial).for_each(|curve| histogram(ui, curve));
     });
-    let curves = session.inspection.iter().flat_map(|i| &i.curves);
-    curves.filter(|c| !c.radial).for_each(|curve| histogram(ui, curve));
 }
 
 /// A curve of equal steps as bars.
