@@ -324,23 +324,21 @@ fn truth(world: &World, receiver: &Receiver, paths: u32, seed: u64) -> Truth {
 }
 
 #[test]
-fn golden_irradiance_of_the_office_is_what_the_tracer_finds() {
-    let world = golden::shipped("office/office.ron");
-    let surfaces = golden::surface_points(&world, golden::POINTS);
+fn golden_irradiance_is_what_the_tracer_finds() {
+    let [office, cornell] = ["office/office.ron", "cornell/cornell.ron"].map(golden::shipped);
+    let surfaces = golden::surface_points(&office, golden::POINTS);
     let sets = [
-        ("surface", surfaces.iter().map(receiver_of).collect()),
-        ("air", golden::air_points(&world, golden::POINTS)),
+        ("surface", &office, surfaces.iter().map(receiver_of).collect()),
+        ("air", &office, golden::air_points(&office, golden::POINTS)),
+        ("cornell_air", &cornell, golden::air_points(&cornell, golden::POINTS)),
     ];
     // LUMENSCOPE_GOLDEN_PATHS=65536 rewrites the files, in about ten minutes on two cores.
     let rewrite = std::env::var("LUMENSCOPE_GOLDEN_PATHS").ok().and_then(|paths| paths.parse().ok());
-    for (name, receivers) in sets {
+    for (name, world, receivers) in sets {
         let receivers: Vec<Receiver> = receivers;
         if let Some(paths) = rewrite {
-            let all: Vec<Truth> = receivers
-                .par_iter()
-                .enumerate()
-                .map(|(i, r)| truth(&world, r, paths, 2 * i as u64))
-                .collect();
+            let all: Vec<Truth> =
+                receivers.par_iter().enumerate().map(|(i, r)| truth(world, r, paths, 2 * i as u64)).collect();
             golden::write(name, &all);
         }
         let kept = golden::read(name);
@@ -348,7 +346,7 @@ fn golden_irradiance_of_the_office_is_what_the_tracer_finds() {
         // Every fortieth point again, from other random numbers. Rare bright paths make the mean of
         // 4096 skewed: 5 standard errors, where the normal law would give 3.7 for 25 points at 0.01.
         for i in (0..golden::POINTS).step_by(40) {
-            let again = truth(&world, &receivers[i], 4096, 1_000_000 + 2 * i as u64);
+            let again = truth(world, &receivers[i], 4096, 1_000_000 + 2 * i as u64);
             let error = again.standard_error.hypot(kept[i].standard_error);
             let z = (again.all() - kept[i].all()) / error;
             assert!(z.abs() < 5.0, "{name} {i}: {} kept, {} ± {error} found", kept[i].all(), again.all());

@@ -1,4 +1,4 @@
-//! Reference irradiance at fixed points of the office, traced once with many paths and kept as text.
+//! Reference irradiance at fixed points of shipped scenes, traced once with many paths and kept as text.
 //!
 //! At the thousands of paths a test can afford, the office's irradiance carries 4 % of noise a point, as
 //! much as the errors that are to be found. `tests/golden/*.csv` holds 1,000 points with a tenth of that;
@@ -9,7 +9,10 @@ use lumenscope_core::{
     math::{frame::uniform_direction, random::Rng, sphere_map::DirectionBins},
     scene::{accel::Ray, direct::Receiver, geometry::Surface, import, world::World},
 };
-use std::{fmt::Write, path::PathBuf};
+use std::{
+    fmt::{self, Write},
+    path::PathBuf,
+};
 
 /// Points in a file.
 pub const POINTS: usize = 1000;
@@ -89,7 +92,8 @@ fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden").join(name).with_extension("csv")
 }
 
-/// Reads one file: `surface` belongs to [`surface_points`], `air` to [`air_points`] of the office.
+/// Reads one file: `surface` belongs to [`surface_points`] of the office, `air` and `cornell_air` to
+/// [`air_points`] of the office and of the Cornell box.
 pub fn read(name: &str) -> Vec<Truth> {
     let text = std::fs::read_to_string(path(name)).expect("the golden file is there");
     text.lines()
@@ -124,6 +128,18 @@ pub struct Errors {
     pub flux: f32,
     /// Mean standard error of the reference, relative.
     pub noise: f32,
+}
+
+impl fmt::Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [median, high, signed, flux, noise] =
+            [self.median, self.high, self.signed, self.flux, self.noise].map(|e| 100.0 * e);
+        write!(
+            f,
+            "median {median:.2} %, 95th {high:.1} %, signed {signed:+.2} %, flux {flux:+.2} %; the reference \
+             is known to {noise:.2} %"
+        )
+    }
 }
 
 /// Compares estimates with (truth, its standard error).

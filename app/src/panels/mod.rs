@@ -36,7 +36,7 @@ fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(6.0);
     ui.label(RichText::new(title).strong());
     let id = ui.scope_id().with(title);
-    ui.scope_builder(UiBuilder::new().id(id), contents);
+    ui.scope_builder(UiBuilder::new().scope_id(id), contents);
 }
 
 /// A number with about three significant digits.

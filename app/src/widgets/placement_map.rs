@@ -80,18 +80,7 @@ fn surface(field: &Field, colours: &FalseColour, place: impl Fn([f32; 2]) -> Pos
             mesh.colored_vertex(place([column as f32, row as f32]), Color32::from_rgb(r, g, b));
         }
     }
-    for row in 1..field.height {
-        for column in 1..field.width {
-            let at = |c: usize, r: usize| r * field.width + c;
-            let corners =
-                [at(column - 1, row - 1), at(column, row - 1), at(column, row), at(column - 1, row)];
-            if corners.iter().all(|&i| field.values[i].is_some()) {
-                let [a, b, c, d] = corners.map(|i| i as u32);
-                mesh.add_triangle(a, b, c);
-                mesh.add_triangle(a, c, d);
-            }
-        }
-    }
+    field.triangles().for_each(|[a, b, c]| mesh.add_triangle(a, b, c));
     Shape::mesh(mesh)
 }
 

@@ -18,10 +18,10 @@
 //! - Rays remember which surface element they met, so that new light needs no rays ([`solve`]).
 //!
 //! Limits: light is interpolated between samples, so a shadow edge is as wide as a cell, light leaks by
-//! up to a cell through thin walls where queries are not guarded, and direct light within a cell of a lamp is off. Solids modelled with
-//! double-sided materials have no back faces to be found by. Spherical harmonics ([`harmonics`]) are kept
-//! beside the bins, to choose from: several times faster to ask and 36 times smaller, but bins hold any
-//! function and show it as it is.
+//! up to a cell through thin walls where queries are not guarded, and direct light within a cell of a
+//! lamp is off. Solids modelled with double-sided materials have no back faces to be found by. Spherical
+//! harmonics ([`harmonics`]) are kept beside the bins, to choose from: several times faster to ask and 36
+//! times smaller, but bins hold any function and show it as it is.
 
 pub mod adaptive;
 pub mod bases;

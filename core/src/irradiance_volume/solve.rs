@@ -137,11 +137,13 @@ impl IrradianceVolume {
         Ok(volume.with_moments(&settings.moments, world, light).with_guard(settings.guard.then_some(world)))
     }
 
-    /// The same samples under changed light; a new volume would also refine where a lamp now is. No radiance ray is traced: bins keep the elements they saw.
+    /// The same samples under changed light; a new volume would also refine where a lamp now is. No radiance
+    /// ray is traced: bins keep the elements they saw.
     ///
     /// Direct light is asked again of the emitters named by `changed`, or of all of them where something
-    /// changed that does not emit, because it may shadow any. What a moved object reflected from where it was stays in the
-    /// bins until the volume is built anew. A volume that came from a file keeps its indirect part.
+    /// changed that does not emit, because it may shadow any. What a moved object reflected from where it
+    /// was stays in the bins until the volume is built anew. A volume that came from a file keeps its
+    /// indirect part.
     pub fn relight(&self, world: &World, light: &impl SurfaceLight, changed: &[Target]) -> Self {
         let emits = |t: &Target| world.emitters.list.iter().any(|e| e.target() == *t);
         let all = self.arrivals.len() != world.emitters.len() || !changed.iter().all(emits);

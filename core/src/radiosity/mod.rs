@@ -233,13 +233,7 @@ impl RadiositySolution {
             solve::indirect(&transport, &direct, start, settings.tolerance, max_sweeps, progress)?;
         transport.fill(&mut direct);
         transport.fill(&mut gathered);
-        let reflected = |indirect: &[Vec3]| -> Vec<Vec3> {
-            let elements = transport.map.elements.par_iter();
-            elements
-                .zip(direct.par_iter().zip(indirect))
-                .map(|(e, (d, i))| e.reflectance * (*d + *i))
-                .collect()
-        };
+        let reflected = |indirect: &[Vec3]| reflected(&transport.map.elements, &direct, indirect);
         let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
         if settings.smoothing > 0.0 {
             let variances = smooth::variances(&transport, &radiosity, &gathered);
@@ -311,13 +305,7 @@ impl RadiositySolution {
 
     /// How much one more sweep would change what each element gathered, lx per channel.
     pub fn residual(&self) -> Vec<Vec3> {
-        let radiosity: Vec<Vec3> = self
-            .elements()
-            .iter()
-            .zip(self.direct.iter().zip(&self.gathered))
-            .map(|(e, (d, g))| e.reflectance * (*d + *g))
-            .collect();
-        let mut again = self.transport.gather(&radiosity);
+        let mut again = self.transport.gather(&reflected(self.elements(), &self.direct, &self.gathered));
         self.transport.fill(&mut again);
         again.iter().zip(&self.gathered).map(|(a, g)| (*a - *g).abs()).collect()
     }
@@ -368,4 +356,10 @@ impl RadiositySolution {
         let tables = size_of_val(&self.direct[..]) * 4;
         self.transport.bytes() + tables + self.lights.iter().map(EmitterLight::bytes).sum::<usize>()
     }
+}
+
+/// Radiosity B = ρ(E_d + E_i) of elements, lx per channel.
+fn reflected(elements: &[Element], direct: &[Vec3], indirect: &[Vec3]) -> Vec<Vec3> {
+    let irradiance = direct.par_iter().zip(indirect);
+    elements.par_iter().zip(irradiance).map(|(e, (d, i))| e.reflectance * (*d + *i)).collect()
 }

@@ -65,6 +65,15 @@ impl Field {
         field
     }
 
+    /// Triangles between nodes that all have a value: two a square.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let squares = (1..self.height).flat_map(|row| (1..self.width).map(move |column| (column, row)));
+        let corners = squares
+            .map(|(c, r)| [(c - 1, r - 1), (c, r - 1), (c, r), (c - 1, r)].map(|(c, r)| r * self.width + c));
+        let known = corners.filter(|corners| corners.iter().all(|&i| self.values[i].is_some()));
+        known.map(|corners| corners.map(|i| i as u32)).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+    }
+
     /// Place of a point given in lattice coordinates, m.
     pub fn position(&self, [x, y]: [f32; 2]) -> Vec3 {
         let (i, j) = ((x as usize).min(self.width - 2), (y as usize).min(self.height - 2));
@@ -98,22 +107,11 @@ pub fn levels(measured: &Measurement, requirement: &Requirement) -> Vec<f32> {
 pub fn scene(measured: &Measurement, requirement: &Requirement) -> InspectionScene {
     let field = Field::new(measured);
     let mut scene = InspectionScene { notes: notes(measured, requirement), ..InspectionScene::default() };
-    let mut mesh = ColouredMesh {
+    let mesh = ColouredMesh {
         positions: field.positions.clone(),
         values: field.values.iter().map(|v| Vec3::splat(v.unwrap_or(0.0))).collect(),
-        triangles: Vec::new(),
+        triangles: field.triangles().collect(),
     };
-    for row in 1..field.height {
-        for column in 1..field.width {
-            let at = |c: usize, r: usize| r * field.width + c;
-            let corners =
-                [at(column - 1, row - 1), at(column, row - 1), at(column, row), at(column - 1, row)];
-            if corners.iter().all(|&i| field.values[i].is_some()) {
-                let [a, b, c, d] = corners.map(|i| i as u32);
-                mesh.triangles.extend([[a, b, c], [a, c, d]]);
-            }
-        }
-    }
     scene.meshes.push(mesh);
     for level in levels(measured, requirement) {
         let colour = if requirement.mean_lx == Some(level) { WANTED } else { PLAIN };
