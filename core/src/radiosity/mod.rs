@@ -19,6 +19,7 @@ pub mod lookup;
 pub mod smooth;
 pub mod solve;
 pub mod surface_map;
+pub mod texture;
 
 use crate::{
     math::{
