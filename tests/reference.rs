@@ -262,7 +262,7 @@ fn layers_sum_to_the_picture_and_the_light_is_where_it_belongs() {
     let scene = cornell();
     let mut picture = ReferencePicture::new(Arc::new(World::new(&scene)), scene.camera, 48, 48, 7);
     picture.add_samples(16, &Progress::silent()).unwrap();
-    let [emitted, direct, indirect] = picture.layers();
+    let [emitted, direct, indirect, mirror, glossy] = picture.layers();
     for (i, mean) in picture.mean().pixels.iter().enumerate() {
         let sum = emitted.pixels[i] + direct.pixels[i] + indirect.pixels[i];
         // Three roundings of single precision.
@@ -270,6 +270,7 @@ fn layers_sum_to_the_picture_and_the_light_is_where_it_belongs() {
         assert!(mean.is_finite() && mean.min_element() >= 0.0);
     }
     assert_eq!(picture.rejected(), 0);
+    assert!([&mirror, &glossy].iter().all(|layer| layer.mean() == Vec3::ZERO), "nothing here has a lobe");
     let means = [&emitted, &direct, &indirect].map(|layer| layer.mean().x);
     println!("means {means:?} cd/m²");
     assert!(means.iter().all(|&m| m > 0.1), "a layer is missing: {means:?}");

@@ -2,6 +2,7 @@
 
 use super::*;
 use lumenscope_core::irradiance_volume::rays::{NO_ELEMENT, Patch, Source, Targets, trace_point};
+use lumenscope_core::scene::fresnel;
 
 /// A room of 3 × 2.5 × 4 m whose faces named in `mirrors` reflect `reflectance` like mirrors.
 fn mirrored_room(mirrors: &[usize], reflectance: f32, emission: [Vec3; 6]) -> Scene {
@@ -40,15 +41,16 @@ fn a_chain_between_two_mirrors_is_the_power_of_their_reflectance() {
     let (mut longest, mut given_up) = (0, 0);
     for (bin, seen) in probe.radiance.iter().enumerate() {
         let reflections = unfolded(p, probe.bins.centre(bin));
-        let left = reflectance.powi(reflections as i32);
+        let cos_theta = probe.bins.centre(bin).x.abs();
+        let left = fresnel::reflectance(reflectance, cos_theta).powi(reflections as i32);
         let expected = if left >= cutoff { left * radiance } else { 0.0 };
         given_up += u32::from(left < cutoff);
         longest = longest.max(if left >= cutoff { reflections } else { 0 });
         // Sums of rounding over three reflections.
         assert!((seen.x - expected).abs() < 1e-4 * radiance, "bin {bin}: {} for {expected}", seen.x);
     }
-    // 0.8³ = 0.51 is followed, 0.8⁴ = 0.41 is not.
-    assert!(longest == 3 && given_up > 0, "{longest} {given_up}");
+    // At normal incidence 0.8³ = 0.51 is followed, 0.8⁴ = 0.41 is not; near grazing more are.
+    assert!(longest >= 3 && given_up > 0, "{longest} {given_up}");
 }
 
 #[test]
@@ -66,7 +68,8 @@ fn an_emitter_in_a_mirror_is_light_that_has_bounced() {
         // By way of the wall x = 0 to x = 3, that is −3 in the unfolded room.
         let in_mirror = d.x < 0.0 && unfolded(p, d) >= 2;
         seen += u32::from(in_mirror);
-        assert!((l.x - if in_mirror { 25.0 } else { 0.0 }).abs() < 1e-4, "bin {bin}: {}", l.x);
+        let wanted = if in_mirror { 50.0 * fresnel::reflectance(0.5, d.x.abs()) } else { 0.0 };
+        assert!((l.x - wanted).abs() < 2e-4, "bin {bin}: {}", l.x);
     }
     assert!(seen > 10, "{seen}");
     let volume = build(&scene, &light, &small([3, 3, 3]));

@@ -295,7 +295,9 @@ impl<L: SurfaceLight> Walk<'_, L> {
         let (mut direction, mut surface) = (direction, *surface);
         let mut attenuation = Vec3::ONE;
         for _ in 0..MOST_REFLECTIONS {
-            attenuation *= self.world.geometry.reflectance(&surface).min(Vec3::ONE);
+            let cos_theta = -direction.dot(surface.normal);
+            let brdf = self.world.geometry.brdf(&surface);
+            attenuation *= brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(cos_theta));
             if attenuation.max_element() < self.cutoff || attenuation == Vec3::ZERO {
                 return;
             }

@@ -285,7 +285,7 @@ impl SurfaceMap {
                 let towards = geometry.area_normal(t) * if back { 1.0 } else { -1.0 };
                 for &barycentric in &barycentric {
                     let surface = geometry.surface(t, barycentric, towards);
-                    let reflectance = geometry.material_of(t).reflectance_at(surface.uv, &geometry.textures);
+                    let reflectance = geometry.material_of(t).diffuse_at(surface.uv, &geometry.textures);
                     let blend = blend(&side, barycentric);
                     for (&element, &weight) in blend.elements.iter().zip(&blend.weights) {
                         if weight > 0.0 {

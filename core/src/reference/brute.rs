@@ -1,13 +1,14 @@
 //! A second estimator of irradiance that shares no sampling code with the path tracer.
 //!
 //! Directions are uniform over the hemisphere, emission counts only where a ray happens to hit it,
-//! and Russian roulette follows the reflectance alone. Slow on purpose: it exists for a z-test
+//! and Russian roulette follows the reflectance alone. It never meets the one direction of an ideal mirror.
+//! Slow on purpose: it exists for a z-test
 //! against [`super::irradiance`]. Lamps without a surface cannot be hit, so their light is missing.
 
 use super::{Estimate, irradiance::sets_of, path::receiver_of, stream_seed};
 use crate::{
     math::{frame::uniform_direction, part::Part, random::Rng},
-    scene::{accel::Ray, direct::Receiver, world::World},
+    scene::{accel::Ray, direct::Receiver, geometry::Surface, world::World},
 };
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
@@ -29,6 +30,7 @@ pub fn irradiance_brute(world: &World, receiver: &Receiver, part: Part, samples:
 
 fn path(world: &World, mut vertex: Receiver, part: Part, rng: &mut Rng) -> DVec3 {
     let (mut sum, mut throughput) = (DVec3::ZERO, Vec3::ONE);
+    let mut from: Option<(Surface, Vec3)> = None;
     for bounce in 0..super::path::MAX_BOUNCES {
         let mut wi = uniform_direction(rng.next_vec2());
         if wi.dot(vertex.normal) < 0.0 {
@@ -38,6 +40,10 @@ fn path(world: &World, mut vertex: Receiver, part: Part, rng: &mut Rng) -> DVec3
             break;
         }
         throughput *= TAU * wi.dot(vertex.normal);
+        if let Some((surface, wo)) = &from {
+            let [diffuse, lobe] = world.geometry.brdf(surface).value(surface.normal, wi, *wo);
+            throughput *= diffuse + lobe;
+        }
         let Some(hit) = world.accel.trace(&Ray::new(vertex.origin(), wi)) else { break };
         let surface = world.geometry.surface(hit.triangle, hit.barycentric, wi);
         let counts = match part {
@@ -48,13 +54,15 @@ fn path(world: &World, mut vertex: Receiver, part: Part, rng: &mut Rng) -> DVec3
         if counts {
             sum += (throughput * world.geometry.emission(&surface)).as_dvec3();
         }
-        let reflectance = world.geometry.reflectance(&surface).min(Vec3::ONE);
-        let survival = reflectance.max_element();
+        let brdf = world.geometry.brdf(&surface);
+        let lobe = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(-wi.dot(surface.normal)));
+        let survival = (brdf.diffuse + lobe).max_element().min(1.0);
         if part == Part::Direct || rng.next_f32() >= survival {
             break;
         }
-        throughput *= reflectance / (survival * std::f32::consts::PI);
+        throughput /= survival;
         vertex = receiver_of(&surface);
+        from = Some((surface, -wi));
     }
     sum
 }

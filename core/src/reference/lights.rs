@@ -48,6 +48,19 @@ struct Choice {
     cumulative: f32,
 }
 
+/// One point of an emitter as seen from a receiver, not yet asked whether anything is between.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Direction towards it.
+    pub wi: Vec3,
+    /// Its radiance over the density, cd/m² sr; of a lamp, intensity over squared distance and probability, lx.
+    pub radiance_over_density: Vec3,
+    /// Density per solid angle with which the direction was proposed; `None` for a lamp without a surface.
+    pub density: Option<f32>,
+    /// Ray that is free if it is seen.
+    pub ray: Ray,
+}
+
 impl LightSampler {
     /// Lists the emitters of a world that give light.
     pub fn new(world: &World) -> Self {
@@ -117,13 +130,46 @@ impl LightSampler {
                 sum + contribution(world, choice.emitter, receiver, 1.0, point(n))
             }),
             Selection::One => {
-                let Some(last) = self.choices.last() else { return Vec3::ZERO };
-                let wanted = pick * last.cumulative;
-                let n = self.choices.partition_point(|c| c.cumulative <= wanted).min(self.choices.len() - 1);
+                let Some(n) = self.chosen(pick) else { return Vec3::ZERO };
                 let choice = self.choices[n];
                 contribution(world, choice.emitter, receiver, choice.probability, point(n))
             }
         }
+    }
+
+    /// Sum over the emitters selected of what `take` makes of one point of each, in the order of
+    /// [`LightSampler::sample`].
+    pub fn sum(
+        &self,
+        world: &World,
+        receiver: &Receiver,
+        selection: Selection,
+        pick: f32,
+        mut point: impl FnMut(usize) -> Vec2,
+        take: impl Fn(&LightSample) -> [Vec3; 2],
+    ) -> [Vec3; 2] {
+        let mut sum = [Vec3::ZERO; 2];
+        let mut add = |n: usize, probability: f32, u: Vec2| {
+            if let Some(sample) = proposed(world, self.choices[n].emitter, receiver, probability, u) {
+                let [a, b] = take(&sample);
+                sum = [sum[0] + a, sum[1] + b];
+            }
+        };
+        match selection {
+            Selection::All => (0..self.choices.len()).for_each(|n| add(n, 1.0, point(n))),
+            Selection::One => {
+                if let Some(n) = self.chosen(pick) {
+                    add(n, self.choices[n].probability, point(n));
+                }
+            }
+        }
+        sum
+    }
+
+    /// The choice that a number in [0, 1) stands for.
+    fn chosen(&self, pick: f32) -> Option<usize> {
+        let wanted = pick * self.choices.last()?.cumulative;
+        Some(self.choices.partition_point(|c| c.cumulative <= wanted).min(self.choices.len() - 1))
     }
 
     /// Density per solid angle with which [`LightSampler::sample`] proposes the direction that hits
@@ -165,21 +211,94 @@ fn area_contribution(
     probability: f32,
     u: Vec2,
 ) -> Vec3 {
-    let point = area.point(&world.geometry, u);
-    let to_light = point.position - receiver.position;
-    let d2 = to_light.length_squared();
-    let wi = to_light / d2.sqrt();
-    let cosine = receiver.normal.dot(wi);
-    let facing = -point.normal.dot(wi);
-    let cosine_light = if area.double_sided { facing.abs() } else { facing };
-    if !(d2 > 0.0 && cosine > 0.0 && cosine_light > 0.0) || receiver.geometric_normal.dot(wi) <= 0.0 {
+    let Some(seen) = AreaPoint::new(world, area, receiver, probability, u) else { return Vec3::ZERO };
+    let cosine = receiver.normal.dot(seen.wi);
+    if cosine <= 0.0 {
         return Vec3::ZERO;
     }
-    let light_density = probability * d2 / (area.area() * cosine_light);
-    let e = point.radiance * (cosine / (light_density + cosine * FRAC_1_PI));
+    let e = seen.radiance * (cosine / (seen.density + cosine * FRAC_1_PI));
     if e == Vec3::ZERO {
         return Vec3::ZERO;
     }
-    let target = offset_origin(point.position, point.normal * facing.signum());
-    if world.accel.occluded(&Ray::between(receiver.origin(), target)) { Vec3::ZERO } else { e }
+    if world.accel.occluded(&seen.ray) { Vec3::ZERO } else { e }
+}
+
+/// A point of an area emitter that faces a receiver.
+struct AreaPoint {
+    wi: Vec3,
+    radiance: Vec3,
+    /// Per solid angle.
+    density: f32,
+    ray: Ray,
+}
+
+impl AreaPoint {
+    fn new(
+        world: &World,
+        area: &AreaEmitter,
+        receiver: &Receiver,
+        probability: f32,
+        u: Vec2,
+    ) -> Option<Self> {
+        let point = area.point(&world.geometry, u);
+        let to_light = point.position - receiver.position;
+        let d2 = to_light.length_squared();
+        let wi = to_light / d2.sqrt();
+        let facing = -point.normal.dot(wi);
+        let cosine_light = if area.double_sided { facing.abs() } else { facing };
+        if !(d2 > 0.0 && cosine_light > 0.0) || receiver.geometric_normal.dot(wi) <= 0.0 {
+            return None;
+        }
+        let target = offset_origin(point.position, point.normal * facing.signum());
+        Some(Self {
+            wi,
+            radiance: point.radiance,
+            density: probability * d2 / (area.area() * cosine_light),
+            ray: Ray::between(receiver.origin(), target),
+        })
+    }
+}
+
+/// One point of an emitter chosen with `probability`; `None` where it sends nothing to the receiver.
+fn proposed(
+    world: &World,
+    emitter: usize,
+    receiver: &Receiver,
+    probability: f32,
+    u: Vec2,
+) -> Option<LightSample> {
+    match &world.emitters.list[emitter] {
+        Emitter::Area(area) => {
+            let seen = AreaPoint::new(world, area, receiver, probability, u)?;
+            let radiance_over_density = seen.radiance / seen.density;
+            let lit = radiance_over_density != Vec3::ZERO && radiance_over_density.is_finite();
+            lit.then_some(LightSample {
+                wi: seen.wi,
+                radiance_over_density,
+                density: Some(seen.density),
+                ray: seen.ray,
+            })
+        }
+        Emitter::Lamp { lamp, .. } => {
+            let sun = -lamp.axis();
+            let (wi, light, ray) = match lamp.kind {
+                LampKind::Directional { illuminance } => {
+                    (sun, illuminance * lamp.dimmer, Ray::new(receiver.origin(), sun))
+                }
+                _ => {
+                    let to_lamp = lamp.position() - receiver.position;
+                    let wi = to_lamp.normalize_or_zero();
+                    let light = lamp.intensity_towards(-wi) / to_lamp.length_squared();
+                    (wi, light, Ray::between(receiver.origin(), lamp.position()))
+                }
+            };
+            let light = light / probability;
+            (light != Vec3::ZERO && light.is_finite()).then_some(LightSample {
+                wi,
+                radiance_over_density: light,
+                density: None,
+                ray,
+            })
+        }
+    }
 }

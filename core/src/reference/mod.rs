@@ -6,8 +6,9 @@
 //! be fast enough to look around with. [`brute`] is a second estimator that shares no sampling
 //! code with the first: a z-test between the two guards against a lost factor.
 //!
-//! Plain Monte Carlo and not bidirectional or Metropolis sampling: surfaces are diffuse and lamps
-//! are found by next-event estimation, and independent samples make the error estimate honest.
+//! Plain Monte Carlo and not bidirectional or Metropolis sampling: nearly all surfaces are diffuse and
+//! lamps are found by next-event estimation, and independent samples make the error estimate honest.
+//! Scenes without specular lobes take the short way of [`path`]; [`scatter`] has the general one.
 
 pub mod brute;
 pub mod irradiance;
@@ -15,6 +16,7 @@ pub mod lights;
 pub mod path;
 pub mod picture;
 pub mod radiance;
+pub mod scatter;
 
 use glam::{DVec3, Vec3};
 

@@ -4,9 +4,13 @@
 //! E(x) = E_direct(x) + ∫ ρ(y)/π E(y) cos θ dω, and a cosine-distributed direction turns the
 //! integral into E_indirect(x) ≈ ρ(y) E(y): the throughput of a path is the product of the
 //! reflectances it meets. Cosines refer to the shading normal; directions below the geometric
-//! horizon carry nothing, as in [`crate::scene::direct`].
+//! horizon carry nothing, as in [`crate::scene::direct`]. Where a scene has specular lobes, what the
+//! second vertex reflects is a sample of [`super::scatter`] instead.
 
-use super::lights::{LightSampler, Selection};
+use super::{
+    lights::{LightSampler, Selection},
+    scatter::Reflected,
+};
 use crate::{
     math::{
         frame::{cosine_direction, frame_from_normal},
@@ -22,7 +26,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 pub const MAX_BOUNCES: u32 = 10_000;
 
 /// Bounces before Russian roulette begins.
-const SURE_BOUNCES: u32 = 3;
+pub(super) const SURE_BOUNCES: u32 = 3;
 
 /// Irradiance of one path, lx.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,6 +53,8 @@ pub struct FirstVertex<F> {
 pub struct PathTracer<'a> {
     world: WorldRef<'a>,
     lights: LightSampler,
+    /// Whether anything in it has a specular lobe.
+    specular: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -69,19 +75,49 @@ pub struct Terms {
     pub direct: Vec3,
     /// Reflected after more.
     pub indirect: Vec3,
+    /// Reflected by an ideal mirror.
+    pub mirror: Vec3,
+    /// Reflected by a wider specular lobe.
+    pub glossy: Vec3,
     /// Surface points at which light was gathered.
     pub vertices: u32,
+}
+
+impl Terms {
+    /// Every term in the order of the picture's layers.
+    pub fn all(&self) -> [Vec3; 5] {
+        [self.emitted, self.direct, self.indirect, self.mirror, self.glossy]
+    }
 }
 
 impl<'a> PathTracer<'a> {
     /// Prepares a world for paths.
     pub fn new(world: &'a World) -> Self {
-        Self { world: WorldRef(world), lights: LightSampler::new(world) }
+        Self {
+            world: WorldRef(world),
+            lights: LightSampler::new(world),
+            specular: world.geometry.is_specular(),
+        }
     }
 
     /// The world.
     pub fn world(&self) -> &'a World {
         self.world.0
+    }
+
+    /// Its emitters.
+    pub(super) fn lights(&self) -> &LightSampler {
+        &self.lights
+    }
+
+    /// How the first vertex of a path selects among the emitters.
+    pub(super) fn first_selection(&self) -> Selection {
+        self.lights.first_selection()
+    }
+
+    /// Whether anything in the world has a specular lobe.
+    pub fn is_specular(&self) -> bool {
+        self.specular
     }
 
     /// The surface a ray meets.
@@ -95,6 +131,14 @@ impl<'a> PathTracer<'a> {
         let Some(surface) = self.surface(ray) else { return Terms::default() };
         let geometry = &self.world().geometry;
         let emitted = geometry.emission(&surface);
+        if self.specular {
+            let found = self.reflected(&surface, -ray.direction, self.lights.first_selection(), rng);
+            let is_mirror = geometry.brdf(&surface).specular.is_some_and(|s| s.is_mirror());
+            let (mirror, glossy) =
+                if is_mirror { (found.specular, Vec3::ZERO) } else { (Vec3::ZERO, found.specular) };
+            let Reflected { direct, indirect, vertices, .. } = found;
+            return Terms { emitted, direct, indirect, mirror, glossy, vertices };
+        }
         let reflectance = geometry.reflectance(&surface).min(Vec3::ONE);
         if reflectance == Vec3::ZERO {
             return Terms { emitted, ..Terms::default() };
@@ -105,6 +149,7 @@ impl<'a> PathTracer<'a> {
             direct: reflectance * FRAC_1_PI * incident.direct,
             indirect: reflectance * FRAC_1_PI * incident.indirect,
             vertices: incident.vertices,
+            ..Terms::default()
         }
     }
 
@@ -130,13 +175,19 @@ impl<'a> PathTracer<'a> {
             let pick = rng.next_f32();
             out.direct = self.lights.sample(world, receiver, selection, pick, &mut first.light);
         }
-        let Some((emission, mut next)) = self.follow(receiver, first.direction, selection) else {
+        let Some((emission, wi, mut next)) = self.follow(receiver, first.direction, selection) else {
             return out;
         };
         if part != Part::Indirect {
             out.direct += emission;
         }
         if part == Part::Direct {
+            return out;
+        }
+        if self.specular {
+            let found = self.reflected(&next, -wi, Selection::One, rng);
+            out.indirect = found.total() * PI;
+            out.vertices += found.vertices;
             return out;
         }
         let mut throughput = Vec3::ONE;
@@ -157,7 +208,7 @@ impl<'a> PathTracer<'a> {
             let (pick, point) = (rng.next_f32(), rng.next_vec2());
             let sampled = self.lights.sample(world, &vertex, Selection::One, pick, |_| point);
             out.indirect += throughput * sampled;
-            let Some((emission, surface)) = self.follow(&vertex, rng.next_vec2(), Selection::One) else {
+            let Some((emission, _, surface)) = self.follow(&vertex, rng.next_vec2(), Selection::One) else {
                 break;
             };
             out.indirect += throughput * emission;
@@ -167,8 +218,8 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Follows a cosine-distributed direction: the emission found, as weighted irradiance π Lₑ w with
-    /// the balance heuristic against light sampling, and the surface.
-    fn follow(&self, receiver: &Receiver, u: Vec2, selection: Selection) -> Option<(Vec3, Surface)> {
+    /// the balance heuristic against light sampling, the direction, and the surface.
+    fn follow(&self, receiver: &Receiver, u: Vec2, selection: Selection) -> Option<(Vec3, Vec3, Surface)> {
         let world = self.world();
         let local = cosine_direction(u);
         let wi = frame_from_normal(receiver.normal) * local;
@@ -179,13 +230,13 @@ impl<'a> PathTracer<'a> {
         let surface = world.geometry.surface(hit.triangle, hit.barycentric, wi);
         let radiance = world.geometry.emission(&surface);
         if radiance == Vec3::ZERO {
-            return Some((Vec3::ZERO, surface));
+            return Some((Vec3::ZERO, wi, surface));
         }
         let cosine_density = local.z * FRAC_1_PI;
         let light_density = self.lights.density(world, &surface, wi, hit.t, selection);
         let total = cosine_density + light_density;
         let weight = if total > 0.0 { cosine_density / total } else { 0.0 };
-        Some((radiance * (PI * weight), surface))
+        Some((radiance * (PI * weight), wi, surface))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::{
     },
     scene::{accel::Ray, camera::Camera, world::World},
 };
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::{
     Arc,
@@ -41,8 +41,8 @@ pub struct ReferencePicture {
 /// Sums over the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelSums {
-    /// Emitted, direct and indirect radiance, cd/m².
-    terms: [DVec3; 3],
+    /// Radiance of each term, cd/m².
+    terms: [DVec3; 5],
     /// Square of the total radiance.
     squares: DVec3,
     /// Square of the total luminance.
@@ -51,7 +51,7 @@ struct PixelSums {
 
 impl PixelSums {
     fn total(&self) -> DVec3 {
-        self.terms[0] + self.terms[1] + self.terms[2]
+        self.terms.iter().sum()
     }
 }
 
@@ -114,12 +114,12 @@ impl ReferencePicture {
                 let ray = Ray::new(self.camera.eye, self.camera.ray_direction(uv, size.x / size.y));
                 let terms = tracer.radiance(&ray, &mut rng);
                 row.vertices += u64::from(terms.vertices);
-                let total = terms.emitted + terms.direct + terms.indirect;
+                let total: Vec3 = terms.all().iter().sum();
                 if !total.is_finite() {
                     row.rejected += 1;
                     continue;
                 }
-                for (sum, term) in sums.terms.iter_mut().zip([terms.emitted, terms.direct, terms.indirect]) {
+                for (sum, term) in sums.terms.iter_mut().zip(terms.all()) {
                     *sum += term.as_dvec3();
                 }
                 sums.squares += total.as_dvec3() * total.as_dvec3();
@@ -134,8 +134,9 @@ impl ReferencePicture {
         self.image(|p, n| p.total() / n)
     }
 
-    /// Emitted, direct and indirect radiance, cd/m² per channel; they sum to [`mean`](Self::mean).
-    pub fn layers(&self) -> [LinearImage; 3] {
+    /// Emitted, direct, indirect, mirrored and glossy radiance, cd/m² per channel; they sum to
+    /// [`mean`](Self::mean).
+    pub fn layers(&self) -> [LinearImage; 5] {
         std::array::from_fn(|i| self.image(|p, n| p.terms[i] / n))
     }
 

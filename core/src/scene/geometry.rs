@@ -2,6 +2,7 @@
 
 use super::{
     Scene,
+    brdf::Brdf,
     material::{Material, Texture},
     mesh::Mesh,
 };
@@ -173,7 +174,21 @@ impl Geometry {
         if !self.is_lit(surface) {
             return Vec3::ZERO;
         }
-        self.material_of(surface.triangle).reflectance_at(surface.uv, &self.textures)
+        self.material_of(surface.triangle).diffuse_at(surface.uv, &self.textures)
+    }
+
+    /// What the side seen does to light; black on the back of a single-sided surface.
+    pub fn brdf(&self, surface: &Surface) -> Brdf {
+        if !self.is_lit(surface) {
+            return Brdf::default();
+        }
+        self.material_of(surface.triangle).brdf_at(surface.uv, &self.textures)
+    }
+
+    /// Whether any triangle has a specular lobe.
+    pub fn is_specular(&self) -> bool {
+        let mut specular = self.materials.iter().map(Material::is_specular);
+        specular.any(|s| s) && self.material.iter().any(|&m| self.materials[m as usize].is_specular())
     }
 
     /// Radiance emitted from the side seen, cd/m², the object's dimmer applied.

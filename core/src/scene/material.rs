@@ -1,17 +1,29 @@
 //! Surface materials: what they reflect and what they emit.
 
+use super::{
+    brdf::{Brdf, Specular},
+    fresnel,
+};
 use crate::math::image::LinearImage;
 use glam::{Vec2, Vec3};
 
 /// A linear texture; reflectance or a factor on emission.
 pub type Texture = LinearImage;
 
-/// A surface's material. Reflection is Lambertian, ρ/π; the room `mirror` and `glossy` read the rest.
+/// Roughness below which a specular lobe is an ideal mirror: its blur would be half a degree.
+pub const MIRROR_ROUGHNESS: f32 = 0.05;
+
+/// Roughness from which on a specular lobe counts as diffuse: half of it lies more than 14° off the
+/// mirrored direction, and there is little in it that the eye would call a reflection.
+pub const DIFFUSE_ROUGHNESS: f32 = 0.5;
+
+/// A surface's material: glTF's metallic–roughness model, see [`Brdf`]. A rough one is Lambertian, with
+/// [`Self::reflectance`] whatever its metallic factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name from the file.
     pub name: String,
-    /// Diffuse reflectance ρ per channel, in [0, 1).
+    /// Base colour per channel, in [0, 1): diffuse reflectance ρ of what is no metal, normal reflectance of metal.
     pub reflectance: Vec3,
     /// Texture multiplied into `reflectance`: index into [`super::Scene::textures`].
     pub reflectance_texture: Option<usize>,
@@ -23,6 +35,8 @@ pub struct Material {
     pub roughness: f32,
     /// glTF metallic factor.
     pub metallic: f32,
+    /// Index of refraction of the coat of what is no metal (KHR_materials_ior).
+    pub ior: f32,
     /// Whether the back reflects and emits as the front does; a single-sided back is black.
     pub double_sided: bool,
 }
@@ -37,6 +51,7 @@ impl Default for Material {
             emission_texture: None,
             roughness: 1.0,
             metallic: 0.0,
+            ior: 1.5,
             double_sided: false,
         }
     }
@@ -46,10 +61,52 @@ impl Material {
     /// Whether it is so smooth a metal that rays of the irradiance volume are reflected by it as by a
     /// mirror, with `reflectance` for the share that is left: metallic over ½, roughness under 0.05.
     pub fn is_mirror(&self) -> bool {
-        self.metallic > 0.5 && self.roughness < 0.05
+        self.metallic > 0.5 && self.roughness < MIRROR_ROUGHNESS
     }
 
-    /// Diffuse reflectance at texture coordinates.
+    /// Whether it has a specular lobe.
+    pub fn is_specular(&self) -> bool {
+        self.roughness < DIFFUSE_ROUGHNESS && (self.metallic > 0.0 || self.ior != 1.0)
+    }
+
+    /// Width α of its specular lobe, if it has one: the square of the roughness, 0 for an ideal mirror.
+    pub fn alpha(&self) -> Option<f32> {
+        let alpha = if self.roughness < MIRROR_ROUGHNESS { 0.0 } else { self.roughness * self.roughness };
+        self.is_specular().then_some(alpha)
+    }
+
+    /// Normal reflectance of the coat of what is no metal.
+    pub fn coat_reflectance(&self) -> f32 {
+        fresnel::normal_reflectance(self.ior)
+    }
+
+    /// Share of the base colour that is Lambertian reflectance: 1 without a specular lobe, else what is no
+    /// metal and lies beneath a coat, (1 − m)(1 − F̄).
+    pub fn diffuse_share(&self) -> f32 {
+        if !self.is_specular() {
+            return 1.0;
+        }
+        (1.0 - self.metallic.clamp(0.0, 1.0)) * (1.0 - fresnel::hemispherical(self.coat_reflectance()))
+    }
+
+    /// What it does to light at texture coordinates.
+    pub fn brdf_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Brdf {
+        let base = self.reflectance_at(uv, textures);
+        let specular = self.alpha().map(|alpha| Specular {
+            metal: base,
+            metallic: self.metallic.clamp(0.0, 1.0),
+            dielectric: self.coat_reflectance(),
+            alpha,
+        });
+        Brdf { diffuse: base * self.diffuse_share(), specular }
+    }
+
+    /// Lambertian reflectance at texture coordinates.
+    pub fn diffuse_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Vec3 {
+        self.reflectance_at(uv, textures) * self.diffuse_share()
+    }
+
+    /// Base colour at texture coordinates.
     pub fn reflectance_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Vec3 {
         match self.reflectance_texture {
             Some(i) => self.reflectance * textures[i].sample_repeat(uv),

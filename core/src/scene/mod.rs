@@ -5,11 +5,13 @@
 //! lists everything that emits, and [`direct`] gives the light that comes from them without a bounce.
 
 pub mod accel;
+pub mod brdf;
 pub mod camera;
 pub mod check;
 pub mod direct;
 pub mod emitters;
 pub mod file;
+pub mod fresnel;
 pub mod geometry;
 pub mod import;
 pub mod lamp;

@@ -62,7 +62,11 @@ impl Plan {
             over,
             tolerance,
             area_emitters: world.emitters.list.iter().filter(|e| matches!(e, Emitter::Area(_))).count(),
-            reflects: world.geometry.materials.iter().any(|m| m.reflectance != glam::Vec3::ZERO),
+            reflects: world
+                .geometry
+                .materials
+                .iter()
+                .any(|m| m.reflectance * m.diffuse_share() != glam::Vec3::ZERO),
             movable: scene.objects.iter().filter(|o| o.movable).count(),
         };
         let mut radiosity = RadiositySettings { seed, ..RadiositySettings::default() };

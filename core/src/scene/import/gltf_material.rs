@@ -3,7 +3,7 @@
 use super::{accessor, gltf::uri_bytes, model::Model, picture};
 use crate::{
     math::image::LinearImage,
-    scene::material::{Material, Texture},
+    scene::material::{DIFFUSE_ROUGHNESS, Material, Texture},
 };
 use ::gltf::{
     Document,
@@ -68,8 +68,11 @@ impl Reader<'_> {
         if material.alpha_mode() != AlphaMode::Opaque {
             notes.add("transparency is shown opaque", &name);
         }
-        if pbr.metallic_factor() > 0.0 {
-            notes.add("metal is shown as diffuse reflection", &name);
+        if pbr.metallic_factor() > 0.0 && pbr.roughness_factor() >= DIFFUSE_ROUGHNESS {
+            notes.add("rough metal is shown as diffuse reflection", &name);
+        }
+        if pbr.metallic_roughness_texture().is_some() {
+            notes.add("metallic-roughness maps are ignored, their factors are not", &name);
         }
         if material.normal_texture().is_some() {
             notes.add("normal maps are ignored", &name);
@@ -93,6 +96,8 @@ impl Reader<'_> {
             emission_texture: emissive.and_then(|info| self.texture(&info, &name, model)),
             roughness: pbr.roughness_factor(),
             metallic: pbr.metallic_factor(),
+            // 0 stands for a coat that reflects all, as older files wanted it.
+            ior: material.ior().filter(|n| *n >= 1.0).unwrap_or(1.5),
             double_sided: material.double_sided(),
             name,
         };

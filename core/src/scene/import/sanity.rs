@@ -150,6 +150,16 @@ fn clean_materials(path: &Path, model: &mut Model) -> Result<(), SceneError> {
         if !material.emission.is_finite() {
             return Err(SceneError::value(path, owner(), "emission in cd/m²", material.emission));
         }
+        let shares = [material.roughness, material.metallic];
+        if !shares.iter().all(|s| (0.0..=1.0).contains(s))
+            || !(material.ior >= 1.0 && material.ior.is_finite())
+        {
+            model.notes.add("roughness, metallic factor or index of refraction out of range", &material.name);
+            let within = |s: f32, otherwise: f32| if s.is_nan() { otherwise } else { s.clamp(0.0, 1.0) };
+            material.roughness = within(material.roughness, 1.0);
+            material.metallic = within(material.metallic, 0.0);
+            material.ior = if material.ior.is_finite() { material.ior.max(1.0) } else { 1.5 };
+        }
         if material.reflectance.min_element() < 0.0 || material.emission.min_element() < 0.0 {
             model.notes.add("negative reflectance or emission is taken as zero", &material.name);
             material.reflectance = material.reflectance.max(Vec3::ZERO);

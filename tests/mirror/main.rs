@@ -1,0 +1,3 @@
+//! Specular reflection: materials, mirrors, glossy surfaces.
+
+mod brdf;
