@@ -59,6 +59,8 @@ pub struct LumenscopeApp {
     help: bool,
     alone: bool,
     lit: Option<Instant>,
+    /// Whether the worker was at work when its news was last read: there may be more.
+    expecting: bool,
 }
 
 impl LumenscopeApp {
@@ -96,6 +98,7 @@ impl LumenscopeApp {
             help: false,
             alone: false,
             lit: None,
+            expecting: false,
         };
         if let Some(path) = document.scene.clone() {
             if document == (Document { scene: Some(path.clone()), ..Document::default() }) {
@@ -127,9 +130,9 @@ impl LumenscopeApp {
         Badge::of(&self.session, self.worker.is_solving())
     }
 
-    /// Whether the worker has anything to do.
+    /// Whether the worker has anything to do, or has done something that is not on screen yet.
     pub fn is_busy(&self) -> bool {
-        self.worker.is_busy()
+        self.expecting || self.worker.is_busy()
     }
 
     /// Whether there is a picture on screen, finished or not.
@@ -180,6 +183,7 @@ impl LumenscopeApp {
     }
 
     fn take_news(&mut self, ctx: &egui::Context) {
+        self.expecting = self.worker.is_busy();
         for news in self.worker.news() {
             match news {
                 News::Loaded(loaded) => self.take_scene(ctx, *loaded),
@@ -210,8 +214,8 @@ impl LumenscopeApp {
                         }
                     }
                 }
-                News::TracedVolume(volume) => {
-                    self.session.keep(volume, "reference");
+                News::OtherVolume(volume, source) => {
+                    self.session.keep(volume, source);
                     self.carry_out(ctx, Effect::Inspect);
                 }
                 News::Reference(reference) => self.session.reference = Some(reference),

@@ -2,6 +2,7 @@
 
 use crate::{
     examples::Example,
+    pipeline::VolumeSource,
     placement::Placement,
     session::{Document, View},
 };
@@ -63,14 +64,16 @@ pub enum Command {
     ExportLayers(PathBuf),
     /// Export the open spheres as EXR.
     ExportProbe(PathBuf),
+    /// Export all that arrives where the spheres are as a latitude–longitude EXR.
+    ExportPanorama(PathBuf),
     /// Start or restart the reference picture.
     StartReference,
     /// Keep the volume as it is now, to compare later ones with.
     KeepVolume,
     /// Forget a volume that was kept, by its number.
     ForgetVolume(usize),
-    /// Path-trace a volume with the same samples, and keep it.
-    TraceVolume,
+    /// Make a volume from another source, and keep it.
+    CompareWith(VolumeSource),
     /// Stop the work in progress.
     Cancel,
     /// Go on with the light where it was stopped.
@@ -103,6 +106,10 @@ pub enum Dialog {
     ExportLayers,
     /// Where to write the spheres.
     ExportProbe,
+    /// Where to write a panorama.
+    ExportPanorama,
+    /// A list of panoramas.
+    Panoramas,
 }
 
 /// What can be changed about the window.

@@ -1,6 +1,6 @@
-//! Pictures and layers as files.
+//! Pictures, layers and panoramas as files.
 
-use crate::worker::ExportRequest;
+use crate::worker::{ExportRequest, Exported};
 use anyhow::Result;
 use lumenscope_core::{
     io::{exr, png},
@@ -10,6 +10,7 @@ use lumenscope_core::{
         accumulator::Accumulator,
         composite::{DirectQuality, Display, display},
         layers::{Layer, Layers},
+        panorama::panorama,
         render,
     },
 };
@@ -17,11 +18,18 @@ use lumenscope_core::{
 /// Frames averaged: each looks through another place in the pixels, so that edges are smooth.
 const FRAMES: u32 = 8;
 
+/// Height of a panorama in pixels, and rays along each edge of one.
+const PANORAMA: (u32, u32) = (512, 2);
+
 /// Writes what was asked for.
 ///
 /// # Errors
 /// With the file's name, if it cannot be written; [`Cancelled`](lumenscope_core::math::progress::Cancelled).
 pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
+    if let Exported::Panorama(at) = request.what {
+        let image = panorama(&request.solution, at, PANORAMA.0, PANORAMA.1, progress)?;
+        return crate::cli::panorama::write(&request.path, &image, at);
+    }
     progress.begin("picture");
     let mut sum = Accumulator::new();
     for frame in 0..FRAMES {
@@ -36,9 +44,9 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
     }
     progress.begin("writing");
     let layers = sum.mean();
-    match &request.display {
-        Some(shown) => write_png(request, &layers, shown),
-        None => {
+    match &request.what {
+        Exported::Picture(shown) => write_png(request, &layers, shown),
+        Exported::Layers | Exported::Panorama(_) => {
             let named: Vec<_> = Layer::ALL.iter().map(|&l| (l.name(), layers.get(l))).collect();
             let note = format!("{}: radiance by layer, cd/m²", request.solution.scene.name);
             Ok(exr::write_layers(&request.path, &named, &note)?)

@@ -1,6 +1,7 @@
 //! What the worker does with a scene: read it, solve it, picture it. No thread and no window here.
 
 use crate::{
+    cli,
     document::Document,
     examples,
     placement::Placement,
@@ -13,7 +14,7 @@ use anyhow::{Result, bail};
 use lumenscope_core::{
     inspection::{InspectionScene, SphereGlyph},
     irradiance_volume::{
-        IrradianceVolume,
+        IrradianceVolume, VolumeSettings,
         ignored::Ignored,
         inspect as volume_inspect,
         placement::{self, MeasureSettings, Measurement},
@@ -183,7 +184,9 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
 
 /// The volume that the present one is compared with; `None` where no view compares or nothing is chosen.
 fn compared(request: &InspectRequest) -> Option<Arc<IrradianceVolume>> {
-    if !request.views.iter().any(|v| DIFFERENCES.contains(&v.as_str())) {
+    let shown = &request.volume;
+    let by_error = shown.shown && shown.colour_by == volume_inspect::ColourBy::Error;
+    if !by_error && !request.views.iter().any(|v| DIFFERENCES.contains(&v.as_str())) {
         return None;
     }
     match request.volume.against {
@@ -200,13 +203,52 @@ fn compared(request: &InspectRequest) -> Option<Arc<IrradianceVolume>> {
 /// Paths a bin of a path-traced volume: a standard error of some per cent in a room lit indirectly.
 const VOLUME_PATHS: u32 = 16;
 
-/// The volume of a solution as the path tracer has it.
+/// Where a volume to compare with comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum VolumeSource {
+    /// The path tracer, with the present volume's samples.
+    Reference,
+    /// Panoramas, by the file that lists them.
+    Panoramas(PathBuf),
+}
+
+impl VolumeSource {
+    /// What its making is called.
+    pub fn job(&self) -> &'static str {
+        match self {
+            Self::Reference => "Path tracing a volume",
+            Self::Panoramas(_) => "Reading panoramas",
+        }
+    }
+
+    /// Where its light comes from.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Reference => "reference",
+            Self::Panoramas(_) => "panoramas",
+        }
+    }
+}
+
+/// A volume to compare that of a solution with.
 ///
 /// # Errors
-/// If there is no volume, or the work was cancelled.
-pub fn trace_volume(solution: &LightTransportSolution, progress: &Progress) -> Result<IrradianceVolume> {
-    let Some(volume) = &solution.volume else { bail!("there is no volume to trace yet") };
-    Ok(volume.of_reference(&solution.world, VOLUME_PATHS, progress)?)
+/// If there is no volume, a panorama cannot be read, or the work was cancelled.
+pub fn other_volume(
+    solution: &LightTransportSolution,
+    source: &VolumeSource,
+    progress: &Progress,
+) -> Result<IrradianceVolume> {
+    let Some(volume) = &solution.volume else { bail!("there is no volume to compare with yet") };
+    match source {
+        VolumeSource::Reference => Ok(volume.of_reference(&solution.world, VOLUME_PATHS, progress)?),
+        VolumeSource::Panoramas(list) => {
+            progress.begin("reading panoramas");
+            let nodes = cli::panorama::read(list)?;
+            let settings = VolumeSettings { bins_n: volume.bins().n(), ..VolumeSettings::default() };
+            Ok(IrradianceVolume::from_panoramas(&nodes, &settings, progress)?)
+        }
+    }
 }
 
 /// The views that compare two volumes.

@@ -12,6 +12,7 @@ use crate::{
     examples::Example,
     history::{History, Key},
     journal::Journal,
+    pipeline::VolumeSource,
     widgets::Probe,
 };
 use lumenscope_core::{
@@ -108,12 +109,14 @@ pub enum Effect {
     DropReference,
     /// Put the two copies in, or take them away.
     Copies,
-    /// Path-trace the volume, to keep it.
-    ReferenceVolume,
+    /// Make a volume from another source, to keep it.
+    OtherVolume(VolumeSource),
     /// Write the session.
     Save(PathBuf),
     /// Write the open spheres as EXR.
     ExportProbe(PathBuf),
+    /// Write a panorama from where they are.
+    ExportPanorama(PathBuf),
     /// Write the picture as PNG.
     ExportPicture(PathBuf),
     /// Write the layers as EXR.
@@ -280,6 +283,7 @@ impl Session {
             Command::SaveSession(path) => self.if_open(Effect::Save(path)),
             Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
             Command::ExportProbe(path) => self.if_open(Effect::ExportProbe(path)),
+            Command::ExportPanorama(path) => self.if_open(Effect::ExportPanorama(path)),
             Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
             Command::StartReference => {
                 self.reference = None;
@@ -305,7 +309,7 @@ impl Session {
                 };
                 vec![Effect::Inspect]
             }
-            Command::TraceVolume => self.if_open(Effect::ReferenceVolume),
+            Command::CompareWith(source) => self.if_open(Effect::OtherVolume(source)),
             Command::Cancel => vec![Effect::Cancel],
             Command::Solve => self.if_open(Effect::Follow { dragging: false }),
             Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],

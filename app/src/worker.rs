@@ -8,7 +8,7 @@ mod bench;
 
 use crate::{
     copies::CopiesRequest,
-    pipeline::{Loaded, Source},
+    pipeline::{Loaded, Source, VolumeSource},
     placement::Placement,
     session::{Kept, Reference, VolumeView},
     widgets::Probe,
@@ -48,8 +48,8 @@ pub enum News {
     Measured(Option<Arc<Measurement>>),
     /// What the views show was made.
     Inspection(Option<Arc<InspectionScene>>),
-    /// A volume was path-traced.
-    TracedVolume(Arc<IrradianceVolume>),
+    /// A volume was made to compare with, and where its light comes from.
+    OtherVolume(Arc<IrradianceVolume>, &'static str),
     /// The reference has more samples.
     Reference(Reference),
     /// A file was written.
@@ -114,8 +114,19 @@ pub struct ExportRequest {
     pub weights: [f32; 3],
     /// Shadow rays a pixel and area emitter.
     pub shadow_rays: u32,
-    /// How the picture is shown; `None` writes the layers as EXR.
-    pub display: Option<Display>,
+    /// What is written.
+    pub what: Exported,
+}
+
+/// What a file is to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Exported {
+    /// The picture as it is shown.
+    Picture(Display),
+    /// Its layers, as EXR.
+    Layers,
+    /// The radiance that arrives at a point, m, from all around.
+    Panorama(Vec3),
 }
 
 /// The job at work.
@@ -153,11 +164,16 @@ struct Slots {
     measure: bool,
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
-    trace_volume: bool,
+    /// A volume that is wanted to compare with.
+    other_volume: Option<VolumeSource>,
     /// Copies that every light is shown with.
     copies: Option<CopiesRequest>,
     /// Whether what is shown is without them, or with others.
     dress: bool,
+    /// Whether a task was taken and is not done; its job begins a little later and ends a little earlier.
+    at_work: bool,
+    /// The most urgent request since the task was taken, while it has no job to be interrupted by it.
+    meanwhile: Option<Rank>,
     job: Option<Job>,
     quit: bool,
 }
@@ -212,14 +228,14 @@ impl Worker {
     /// Whether anything is at work or waiting.
     pub fn is_busy(&self) -> bool {
         let slots = self.shared.slots();
-        slots.job.is_some()
+        slots.at_work
             || slots.load.is_some()
             || slots.scene.is_some()
             || slots.refine
             || slots.probe.is_some()
             || slots.inspect.is_some()
             || slots.measure
-            || slots.trace_volume
+            || slots.other_volume.is_some()
             || slots.dress
             || !slots.exports.is_empty()
     }
@@ -235,7 +251,7 @@ impl Worker {
             slots.placement = Placement::default();
             slots.measure = false;
             slots.reference = Some(None);
-            slots.trace_volume = false;
+            slots.other_volume = None;
             slots.copies = None;
             slots.dress = false;
         });
@@ -277,9 +293,9 @@ impl Worker {
         });
     }
 
-    /// Path-traces a volume with the samples of the present one.
-    pub fn trace_volume(&self) {
-        self.put(Rank::Any, |slots| slots.trace_volume = true);
+    /// Makes a volume to compare with.
+    pub fn other_volume(&self, source: VolumeSource) {
+        self.put(Rank::Any, |slots| slots.other_volume = Some(source));
     }
 
     /// Writes a picture or its layers.
@@ -296,7 +312,7 @@ impl Worker {
             slots.probe = None;
             slots.exports.clear();
             slots.reference = Some(None);
-            slots.trace_volume = false;
+            slots.other_volume = None;
             slots.measure = false;
             slots.dress = false;
         });
@@ -305,10 +321,10 @@ impl Worker {
     fn put(&self, rank: Rank, change: impl FnOnce(&mut Slots)) {
         let mut slots = self.shared.slots();
         change(&mut slots);
-        if let Some(job) = &slots.job
-            && rank <= job.yields_to
-        {
-            job.progress.cancel();
+        match &slots.job {
+            Some(job) if rank <= job.yields_to => job.progress.cancel(),
+            Some(_) => {}
+            None => slots.meanwhile = Some(slots.meanwhile.map_or(rank, |r| r.min(rank))),
         }
         self.shared.wake.notify_one();
     }

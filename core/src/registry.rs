@@ -59,7 +59,13 @@ pub const VIEWS: &[ViewRow] = &[
         tooltip: "A sphere at every sample of the irradiance volume. Its colour in direction ω is the irradiance E(ω) = ∫ L(ω') max(0, ω·ω') dω' of a surface facing that way, or the radiance L(ω) that arrives from there.",
         build: |input| {
             let s = input.solution;
-            Some(volume::volume_spheres(s.volume.as_ref()?, &s.world, &*s.radiosity, input.volume))
+            Some(volume::volume_spheres(
+                s.volume.as_ref()?,
+                &s.world,
+                &*s.radiosity,
+                input.volume,
+                input.against,
+            ))
         },
     },
     ViewRow {
@@ -102,6 +108,16 @@ pub const VIEWS: &[ViewRow] = &[
             let difference =
                 Difference::new(input.solution.volume.as_ref()?, input.against?, input.volume.part);
             Some(slice::difference_slice(&difference, input.volume))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.bases",
+        systems: &["G6"],
+        title: "Error of the basis",
+        tooltip: "A sphere at every sample of the irradiance volume, coloured by how far the basis in use is from the exact sum over the sample's radiance, |E − E_exact| / max(E_exact, 5 % of its mean), for a surface facing that way. The notes give every basis: bins with interpolation, the nearest bin, nine spherical harmonics. The plan's line of the irradiance volume chooses the basis.",
+        build: |input| {
+            let s = input.solution;
+            s.volume.as_ref()?.basis_scene(&s.world, &*s.radiosity, input.volume)
         },
     },
     ViewRow {

@@ -6,7 +6,7 @@ use lumenscope_core::{
     irradiance_volume::{
         difference::Difference,
         ignored::Ignored,
-        inspect::difference_spheres,
+        inspect::{ColourBy, difference_spheres},
         slice::{MeanIrradiance, difference_slice, volume_slice},
     },
     math::colour::luminance,
@@ -93,6 +93,17 @@ fn slices_and_spheres_of_a_difference_are_signed() {
     assert_eq!(spheres.spheres.len(), b.samples().len());
     assert!(spheres.sphere_bins.iter().all(|v| v.x < -9.3));
     assert!(spheres.notes.iter().any(|n| n.contains("A − B: mean -9.4")), "{:?}", spheres.notes);
+    // |7π − 10π| / 10π is 30 %, in every direction.
+    let world = World::new(&room([Vec3::ZERO; 6]));
+    let light = PerTriangle(vec![Vec3::ZERO; 12]);
+    let by_error = VolumeView { colour_by: ColourBy::Error, ..VolumeView::default() };
+    let spheres = volume_spheres(&b, &world, &light, &by_error, Some(&a));
+    assert!(spheres.sphere_bins.iter().all(|v| (v.x - 30.0).abs() < 0.1));
+    assert_eq!(spheres.legend.unwrap().unit, "%");
+    let alone = volume_spheres(&b, &world, &light, &by_error, None);
+    assert!(
+        alone.sphere_bins.iter().all(|v| *v == Vec3::ZERO) && alone.notes.iter().any(|n| n.contains("keep"))
+    );
 }
 
 #[test]

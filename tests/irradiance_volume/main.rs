@@ -456,20 +456,22 @@ fn views_show_what_is_asked_for() {
     let volume = build(&scene, &light, &small([4, 4, 4]));
     let valid = volume.samples().iter().filter(|s| s.valid).count();
     let view = VolumeView::default();
-    let all = volume_spheres(&volume, &world, &light, &view);
+    let all = volume_spheres(&volume, &world, &light, &view, None);
     assert_eq!(all.spheres.len(), valid);
     assert_eq!(all.sphere_bins.len(), valid * 578);
     let legend = all.legend.unwrap();
     assert_eq!((legend.quantity.as_str(), legend.unit.as_str()), ("irradiance", "lx"));
     assert!(legend.range[1] > legend.range[0]);
-    let first = volume_spheres(&volume, &world, &light, &VolumeView { second_level: false, ..view.clone() });
-    let second = volume_spheres(&volume, &world, &light, &VolumeView { first_level: false, ..view.clone() });
+    let first =
+        volume_spheres(&volume, &world, &light, &VolumeView { second_level: false, ..view.clone() }, None);
+    let second =
+        volume_spheres(&volume, &world, &light, &VolumeView { first_level: false, ..view.clone() }, None);
     assert_eq!(first.spheres.len() + second.spheres.len(), valid);
     let y = volume.samples()[0].position.y;
     let slice = VolumeView { slice: Some((1, y)), second_level: false, invalid: true, ..view.clone() };
-    assert_eq!(volume_spheres(&volume, &world, &light, &slice).spheres.len(), 16);
+    assert_eq!(volume_spheres(&volume, &world, &light, &slice, None).spheres.len(), 16);
     let radiance = VolumeView { quantity: Quantity::Radiance, ..view };
-    assert_eq!(volume_spheres(&volume, &world, &light, &radiance).legend.unwrap().unit, "cd/m²");
+    assert_eq!(volume_spheres(&volume, &world, &light, &radiance, None).legend.unwrap().unit, "cd/m²");
     // A 3³ lattice of cells has 3 axes of 4 × 4 lines.
     assert_eq!(grid_lines(&volume, true, false).lines.len(), 48);
 

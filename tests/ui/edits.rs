@@ -193,7 +193,7 @@ fn how_the_volume_is_asked_changes_without_new_rays() {
     window.run(Command::View(Box::new(view)));
     window.wait("validity", |app| {
         let legend = app.session().inspection.as_ref().and_then(|i| i.legend.clone());
-        legend.is_some_and(|l| l.quantity.contains("relocated") && l.range == [0.0, 3.0])
+        legend.is_some_and(|l| l.names.contains(&"relocated") && l.range == [0.0, 3.0])
     });
     window.run(Command::Undo);
     window.wait_lit();

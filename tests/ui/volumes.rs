@@ -1,7 +1,8 @@
 //! Volumes compared in the window.
 
 use crate::window::Window;
-use lumenscope::{app::LumenscopeApp, session::Against};
+use glam::Vec3;
+use lumenscope::{app::LumenscopeApp, command::Command, pipeline::VolumeSource, session::Against};
 use lumenscope_core::scene::Target;
 
 /// Largest value on screen by size, of the difference that is shown.
@@ -23,7 +24,7 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
     let lamp = Target::Lamp(0);
     let mut view = window.view();
     view.selected = Some(lamp);
-    window.run(lumenscope::command::Command::View(Box::new(view)));
+    window.run(Command::View(Box::new(view)));
     window.press(egui::Key::I);
     assert!(window.view().volume.ignored.contains(&lamp));
     window.click("Show the difference");
@@ -48,7 +49,18 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
     assert!(window.app().session().kept[1].name.contains("reference"));
     // The view follows a frame later.
     window.wait("the error of the volume", |app| app.session().inspection.is_some() && shown(app) > 0.0);
+    let mut view = window.view();
+    view.probe = Some((Vec3::new(1.0, 1.5, 0.5), Vec3::Y));
+    window.run(Command::View(Box::new(view)));
+    let file = window.folder.path().join("p.exr");
+    window.run(Command::ExportPanorama(file.clone()));
+    window.wait("the panorama", |app| !app.is_busy() && file.exists());
+    let list = window.folder.path().join("nodes.ron");
+    std::fs::write(&list, r#"[(position: (1.0, 1.5, 0.5), file: "p.exr")]"#).unwrap();
+    window.run(Command::CompareWith(VolumeSource::Panoramas(list)));
+    window.wait("a volume from panoramas", |app| app.session().kept.len() == 3 && !app.is_busy());
+    assert!(window.app().session().kept[2].name.contains("panoramas"));
     window.click("Forget");
-    assert_eq!(window.app().session().kept.len(), 1);
+    assert_eq!(window.app().session().kept.len(), 2);
     assert_eq!(window.view().volume.against, Against::Ignoring);
 }

@@ -4,10 +4,10 @@ use super::LumenscopeApp;
 use crate::{
     command::{Command, Dialog, Window},
     panels::notice::UnsavedAnswer,
-    pipeline::Source,
+    pipeline::{Source, VolumeSource},
     session::Effect,
     session_file,
-    worker::{ExportRequest, InspectRequest, ProbeRequest, ReferenceRequest},
+    worker::{ExportRequest, Exported, InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use egui::ViewportCommand;
 use lumenscope_core::{io::probe::write_probe, superposition::composite::DirectQuality};
@@ -53,12 +53,18 @@ impl LumenscopeApp {
                 let copies = self.session.document.view.copies;
                 self.worker.copies(copies.map(|c| c.request(&self.session.kept)));
             }
-            Effect::ReferenceVolume => self.worker.trace_volume(),
+            Effect::OtherVolume(source) => self.worker.other_volume(source),
             Effect::DropReference => self.worker.reference(None),
             Effect::Save(path) => self.save(path),
             Effect::ExportProbe(path) => self.export_probe(&path),
-            Effect::ExportPicture(path) => self.export(path, true),
-            Effect::ExportLayers(path) => self.export(path, false),
+            Effect::ExportPicture(path) => {
+                self.export(path, Exported::Picture(self.session.document.view.display));
+            }
+            Effect::ExportLayers(path) => self.export(path, Exported::Layers),
+            Effect::ExportPanorama(path) => match self.session.document.view.probe {
+                Some((at, _)) => self.export(path, Exported::Panorama(at)),
+                None => self.no_spheres(),
+            },
             Effect::Cancel => self.worker.cancel(),
             Effect::Dialog(dialog) => self.ask(dialog, None, ctx),
             Effect::Window(window) => self.change_window(window, ctx),
@@ -106,8 +112,7 @@ impl LumenscopeApp {
 
     fn export_probe(&mut self, path: &std::path::Path) {
         let Some(probe) = &self.session.probe else {
-            self.fail("No spheres are open".into(), "click a point in the scene first".into());
-            return;
+            return self.no_spheres();
         };
         match write_probe(path, probe, true) {
             Ok(()) => self.session.log.info(format!("{} written", path.display())),
@@ -115,7 +120,11 @@ impl LumenscopeApp {
         }
     }
 
-    fn export(&mut self, path: PathBuf, picture: bool) {
+    fn no_spheres(&mut self) {
+        self.fail("No spheres are open".into(), "click a point in the scene first".into());
+    }
+
+    fn export(&mut self, path: PathBuf, what: Exported) {
         let Some(solution) = self.session.solution.clone() else {
             self.fail("Nothing to export yet".into(), "the scene has no light so far".into());
             return;
@@ -131,7 +140,7 @@ impl LumenscopeApp {
                 DirectQuality::Elements => 0,
                 DirectQuality::PerPixel(rays) => rays.max(16),
             },
-            display: picture.then_some(view.display),
+            what,
         });
     }
 
@@ -212,6 +221,14 @@ fn ask_for_file(
             let ask = ask.set_title("Export the spheres").set_file_name(format!("{name}-spheres.exr"));
             Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
         }
+        Dialog::ExportPanorama => {
+            let ask = ask.set_title("Export a panorama").set_file_name(format!("{name}-panorama.exr"));
+            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
+        }
+        Dialog::Panoramas => {
+            let ask = ask.set_title("A volume from panoramas: the list of nodes");
+            Box::pin(ask.add_filter("List of nodes", &["ron"]).pick_file())
+        }
     };
     std::thread::Builder::new().name("file dialog".into()).spawn(move || {
         let Some(file) = pollster::block_on(answer) else { return };
@@ -223,6 +240,8 @@ fn ask_for_file(
             Dialog::ExportPicture => Command::ExportPicture(path),
             Dialog::ExportLayers => Command::ExportLayers(path),
             Dialog::ExportProbe => Command::ExportProbe(path),
+            Dialog::ExportPanorama => Command::ExportPanorama(path),
+            Dialog::Panoramas => Command::CompareWith(VolumeSource::Panoramas(path)),
         };
         // Without a receiver the window is gone.
         let _ = sender.send(command);

@@ -5,7 +5,7 @@ mod copies;
 mod cost;
 mod headless;
 mod irradiance;
-mod panorama;
+pub mod panorama;
 pub mod placement;
 mod placement_map;
 mod probe;

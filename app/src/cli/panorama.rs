@@ -6,15 +6,11 @@ use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
     io::{exr, panorama as files},
-    irradiance_volume::{
-        IrradianceVolume, VolumeSettings,
-        panorama::{PanoramaNode, render},
-    },
-    math::{part::Part, random::hash},
-    scene::accel::Ray,
-    transport::LightTransportSolution,
+    irradiance_volume::{IrradianceVolume, VolumeSettings, panorama::PanoramaNode},
+    math::image::LinearImage,
+    superposition::panorama::panorama,
 };
-use std::{f32::consts::FRAC_1_PI, path::PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Options of `panorama`.
 #[derive(Args)]
@@ -35,9 +31,6 @@ pub struct Options {
     rays: u32,
 }
 
-/// Shadow rays an area emitter and ray.
-const SHADOW_RAYS: u32 = 16;
-
 /// Renders and writes a panorama.
 ///
 /// # Errors
@@ -45,22 +38,12 @@ const SHADOW_RAYS: u32 = 16;
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let solution = solve::solve(&loaded, false)?;
-    let image = render(options.height, options.rays, |direction| radiance(&solution, options.at, direction));
-    let note = format!("latitude-longitude panorama at {} m, radiance in cd/m2", options.at);
-    exr::write_layers(&options.out, &[("", &image)], &note)?;
+    let image =
+        solve::watched(|progress| panorama(&solution, options.at, options.height, options.rays, progress))?;
+    write(&options.out, &image, options.at)?;
     let mean = image.mean();
     eprintln!("{}: mean {:.3} {:.3} {:.3} cd/m²", options.out.display(), mean.x, mean.y, mean.z);
     Ok(())
-}
-
-/// Radiance that arrives at a point along a direction, as a picture's pixels have it, cd/m².
-fn radiance(solution: &LightTransportSolution, at: Vec3, direction: Vec3) -> Vec3 {
-    let world = &solution.world;
-    let Some(hit) = world.accel.trace(&Ray::new(at, direction)) else { return Vec3::ZERO };
-    let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
-    let scramble = hash(direction.x.to_bits() ^ hash(direction.y.to_bits()));
-    let e = solution.radiosity.irradiance_exact_direct(world, &surface, Part::All, SHADOW_RAYS, scramble);
-    world.geometry.emission(&surface) + world.geometry.reflectance(&surface) * e * FRAC_1_PI
 }
 
 /// Options of `panoramas`.
@@ -86,20 +69,36 @@ struct NodeLine {
     file: PathBuf,
 }
 
+/// Writes a panorama taken at a point, in m, as OpenEXR.
+///
+/// # Errors
+/// With the file's name, if it cannot be written.
+pub fn write(path: &Path, image: &LinearImage, at: Vec3) -> anyhow::Result<()> {
+    let note = format!("latitude-longitude panorama at {at} m, radiance in cd/m2");
+    Ok(exr::write_layers(path, &[("", image)], &note)?)
+}
+
+/// Reads a list of nodes and the panoramas that it names, which lie beside it.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn read(list: &Path) -> anyhow::Result<Vec<PanoramaNode>> {
+    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?;
+    let lines: Vec<NodeLine> =
+        ron::from_str(&text).with_context(|| format!("{}: not a list of nodes", list.display()))?;
+    let folder = list.parent().unwrap_or(Path::new(""));
+    lines
+        .into_iter()
+        .map(|l| Ok(PanoramaNode { position: l.position, image: files::read(&folder.join(l.file))? }))
+        .collect()
+}
+
 /// Reads panoramas, makes a volume of them and writes it.
 ///
 /// # Errors
 /// One line naming the file and the cause.
 pub fn volume(options: &VolumeOptions) -> anyhow::Result<()> {
-    let list = &options.nodes;
-    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?;
-    let lines: Vec<NodeLine> =
-        ron::from_str(&text).with_context(|| format!("{}: not a list of nodes", list.display()))?;
-    let folder = list.parent().unwrap_or(std::path::Path::new(""));
-    let nodes = lines
-        .into_iter()
-        .map(|l| Ok(PanoramaNode { position: l.position, image: files::read(&folder.join(l.file))? }))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let nodes = read(&options.nodes)?;
     let samples = <[u32; 3]>::try_from(&options.samples[..]).ok();
     let settings = VolumeSettings { samples, bins_n: options.bins_n, ..VolumeSettings::default() };
     let volume = solve::watched(|progress| IrradianceVolume::from_panoramas(&nodes, &settings, progress))?;

@@ -2,9 +2,9 @@
 
 use super::{edit_view, section};
 use crate::{
-    command::Command,
+    command::{Command, Dialog},
     document::exists,
-    pipeline::DIFFERENCES,
+    pipeline::{DIFFERENCES, VolumeSource},
     session::{Against, Session, VolumeView},
 };
 use egui::Ui;
@@ -77,7 +77,15 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
              Esc or the cross beside its progress stops it.",
         );
             if trace.clicked() {
-                out.push(Command::TraceVolume);
+                out.push(Command::CompareWith(VolumeSource::Reference));
+            }
+            let panoramas = ui.button("From panoramas…").on_hover_text(
+                "A volume from pictures of everything around some points: a RON list of nodes, \
+                 [(position: (x, y, z), file: \"p.exr\"), …], with latitude–longitude pictures beside it, \
+                 in EXR or HDR. The spheres' panel exports them.",
+            );
+            if panoramas.clicked() {
+                out.push(Command::Dialog(Dialog::Panoramas));
             }
             if let Against::Kept(number) = view.volume.against
                 && session.kept.get(number).is_some()

@@ -282,7 +282,7 @@ impl Viewport {
 }
 
 fn luminance_legend(quantity: &str, range: [f32; 2]) -> Legend {
-    Legend { quantity: quantity.into(), unit: "cd/m²".into(), range }
+    Legend { quantity: quantity.into(), unit: "cd/m²".into(), range, names: &[] }
 }
 
 fn pixels(ui: &egui::Ui, rect: Rect) -> [u32; 2] {

@@ -60,11 +60,19 @@ pub fn paint(
         Rect::from_min_max(rect.min + vec2(10.0, 40.0), pos2(rect.min.x + 10.0 + BAR, rect.max.y - 12.0));
     gradient(painter, bar, colours, true);
     painter.rect_stroke(bar, 1.0, outline(visuals), egui::StrokeKind::Outside);
-    for value in colours.ticks(6) {
+    for (value, name) in marks(legend, colours) {
         let y = bar.max.y - colours.position(value) * bar.height();
         painter.hline(bar.max.x..=bar.max.x + 4.0, y, outline(visuals));
-        painter.text(pos2(bar.max.x + 8.0, y), Align2::LEFT_CENTER, number::tick(value), font.clone(), text);
+        painter.text(pos2(bar.max.x + 8.0, y), Align2::LEFT_CENTER, name, font.clone(), text);
     }
+}
+
+/// Values marked on an upright bar, and what stands beside them.
+fn marks(legend: &Legend, colours: &FalseColour) -> Vec<(f32, String)> {
+    if legend.names.is_empty() {
+        return colours.ticks(6).into_iter().map(|value| (value, number::tick(value))).collect();
+    }
+    legend.names.iter().enumerate().map(|(i, name)| (i as f32, (*name).to_owned())).collect()
 }
 
 /// Size that [`paint`] wants, points.
@@ -74,6 +82,9 @@ pub fn size() -> egui::Vec2 {
 
 fn title(painter: &egui::Painter, at: Pos2, legend: &Legend, font: &FontId, colour: Color32) {
     let first = painter.text(at, Align2::LEFT_TOP, &legend.quantity, font.clone(), colour);
+    if legend.unit.is_empty() {
+        return;
+    }
     let flat = painter.clip_rect().width() > 0.0 && font.size < 10.5;
     let (place, unit) = if flat {
         (pos2(first.max.x + 4.0, at.y), format!("in {}", legend.unit))
@@ -116,8 +127,10 @@ fn gradient(painter: &egui::Painter, bar: Rect, colours: &FalseColour, upright: 
 
 fn finish(response: egui::Response, legend: &Legend, colours: &FalseColour) -> egui::Response {
     let scale = if colours.logarithmic { "logarithmic" } else { "linear" };
+    let names =
+        if legend.names.is_empty() { String::new() } else { format!(": {}", legend.names.join(", ")) };
     let line = format!(
-        "{} from {} to {} {unit}, {scale} scale; found {} to {} {unit}",
+        "{}{names} from {} to {} {unit}, {scale} scale; found {} to {} {unit}",
         legend.quantity,
         number::short(colours.low),
         number::short(colours.high),

@@ -66,8 +66,12 @@ pub fn show(ui: &mut Ui, measured: &Measurement, wanted: &Requirement) {
             response.on_hover_text(format!("{} at {} m", number::with_unit(value, "lx"), number::point(p)));
         }
     }
-    let shown =
-        Legend { quantity: "illuminance".into(), unit: "lx".into(), range: [colours.low, colours.high] };
+    let shown = Legend {
+        quantity: "illuminance".into(),
+        unit: "lx".into(),
+        range: [colours.low, colours.high],
+        names: &[],
+    };
     legend::show_flat(ui, &shown, &colours);
 }
 

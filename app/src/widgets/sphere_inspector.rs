@@ -157,6 +157,13 @@ fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) -> Vec<Command> {
         if export.clicked() {
             out.push(Command::Dialog(Dialog::ExportProbe));
         }
+        let panorama = ui.button("Panorama…").on_hover_text(
+            "Writes all that arrives here as a latitude–longitude EXR, cd/m²: what a volume from panoramas is made \
+             of",
+        );
+        if panorama.clicked() {
+            out.push(Command::Dialog(Dialog::ExportPanorama));
+        }
         if memory.turn != Turn::default()
             && ui.button("Align").on_hover_text("See the spheres from the viewport's side again").clicked()
         {
@@ -234,7 +241,8 @@ fn balls(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, size: f32) {
                 for (colours, quantity, unit) in [(radiance, "L", "cd/m²"), (irradiance, "E", "lx")] {
                     ui.allocate_ui(egui::vec2(size, 48.0), |ui| {
                         let range = [colours.low, colours.high];
-                        let legend = Legend { quantity: quantity.into(), unit: unit.into(), range };
+                        let legend =
+                            Legend { quantity: quantity.into(), unit: unit.into(), range, names: &[] };
                         legend::show_flat(ui, &legend, colours);
                     });
                 }

@@ -2,7 +2,7 @@
 
 use super::{
     ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared, Slots,
-    Source,
+    Source, VolumeSource,
 };
 use crate::{export, pipeline, placement::Placement};
 use anyhow::Result;
@@ -31,7 +31,7 @@ enum Task {
     Export(Box<ExportRequest>),
     Reference(Option<ReferenceRequest>),
     MoreSamples,
-    TraceVolume,
+    OtherVolume(VolumeSource),
     Dress,
 }
 
@@ -79,7 +79,7 @@ impl Bench {
                 }
                 Task::Reference(request) => self.begin_reference(request),
                 Task::MoreSamples => self.more_samples(),
-                Task::TraceVolume => self.trace_volume(),
+                Task::OtherVolume(source) => self.other_volume(&source),
                 Task::Dress => self.dress(),
             }
         }
@@ -90,10 +90,12 @@ impl Bench {
         let shared = Arc::clone(&self.shared);
         let mut slots = shared.slots();
         loop {
+            slots.at_work = false;
             if slots.quit {
                 return None;
             }
             if let Some(task) = self.take(&mut slots) {
+                (slots.at_work, slots.meanwhile) = (true, None);
                 self.lit = matches!(task, Task::Light(..) | Task::Refine);
                 return Some(task);
             }
@@ -134,8 +136,10 @@ impl Bench {
         if let Some(request) = slots.exports.pop_front() {
             return Some(Task::Export(Box::new(request)));
         }
-        if self.solution.is_some() && std::mem::take(&mut slots.trace_volume) {
-            return Some(Task::TraceVolume);
+        if self.solution.is_some()
+            && let Some(source) = slots.other_volume.take()
+        {
+            return Some(Task::OtherVolume(source));
         }
         if self.solution.is_some()
             && let Some(request) = slots.reference.take()
@@ -288,13 +292,12 @@ impl Bench {
         };
     }
 
-    fn trace_volume(&mut self) {
+    fn other_volume(&mut self, source: &VolumeSource) {
         let Some(solution) = self.solution.clone() else { return };
-        let traced = self.job("Path tracing a volume", Rank::Stop, |_, progress| {
-            pipeline::trace_volume(&solution, progress)
-        });
-        if let Some(volume) = traced {
-            self.tell(News::TracedVolume(Arc::new(volume)));
+        let made = self
+            .job(source.job(), Rank::Stop, |_, progress| pipeline::other_volume(&solution, source, progress));
+        if let Some(volume) = made {
+            self.tell(News::OtherVolume(Arc::new(volume), source.name()));
         }
     }
 
@@ -316,7 +319,12 @@ impl Bench {
     ) -> Option<T> {
         let progress = Progress::default();
         let job = Job { name, progress: progress.clone(), began: Instant::now(), yields_to };
-        self.shared.slots().job = Some(job);
+        let mut slots = self.shared.slots();
+        if slots.meanwhile.take().is_some_and(|rank| rank <= yields_to) {
+            progress.cancel();
+        }
+        slots.job = Some(job);
+        drop(slots);
         let bench = &*self;
         let outcome = catch_unwind(AssertUnwindSafe(|| work(bench, &progress)));
         self.shared.slots().job = None;

@@ -103,6 +103,8 @@ pub struct Legend {
     pub unit: String,
     /// Range of the colours; beyond it the first and the last go on.
     pub range: [f32; 2],
+    /// What the whole numbers from 0 on stand for, where values are kinds and not amounts.
+    pub names: &'static [&'static str],
 }
 
 /// Range of colours for values: from the least to the largest or, where a few are far above the rest as

@@ -4,13 +4,24 @@
 //! a normal that no bin is centred on is summed from the sample's radiance bins and from what arrives
 //! from each emitter (Eq. 4.3 for that one normal), and compared with what the basis gives.
 
-use super::{Basis, IrradianceVolume, SurfaceLight};
+use super::{
+    Basis, IrradianceVolume, SurfaceLight,
+    inspect::{VolumeView, spheres},
+    slice::bulk,
+};
 use crate::{
-    math::{colour::luminance, frame::uniform_direction, part::Part, random::Rng},
+    inspection::{InspectionScene, Legend},
+    math::{colour::luminance, frame::uniform_direction, part::Part, random::Rng, sphere_map::DirectionBins},
     scene::world::World,
 };
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+
+/// Rows of bins a hemisphere at which a sphere shows the error of a basis: off the centres of the bins.
+const SHOWN_N: u32 = 7;
+
+/// Samples and normals a sample by which the bases are compared in words.
+const COMPARED: (usize, u64) = (400, 40);
 
 /// Error of one basis, by luminance: |E − E_exact| over the larger of E_exact and 5 % of its mean.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -27,6 +38,18 @@ pub struct BasisError {
     pub mean_signed: f32,
     /// Bytes of one part of the light in this basis.
     pub bytes: usize,
+    /// Mean of the exact irradiance, lx.
+    pub mean_lx: f32,
+}
+
+impl std::fmt::Display for BasisError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [median, high, worst, signed] =
+            [self.median, self.percentile_95, self.worst, self.mean_signed].map(|e| 100.0 * e);
+        let (name, megabytes) = (self.basis.name(), self.bytes as f64 * 1e-6);
+        write!(f, "{name}: median {median:.2} %, 95th {high:.2} %, ")?;
+        write!(f, "worst {worst:.1} %, signed {signed:+.2} %, {megabytes:.2} MB a part")
+    }
 }
 
 impl IrradianceVolume {
@@ -80,6 +103,7 @@ impl IrradianceVolume {
                 percentile_95: at(0.95).unwrap_or(0.0),
                 worst: at(1.0).unwrap_or(0.0),
                 mean_signed: signed as f32,
+                mean_lx: mean as f32,
                 bytes: match basis {
                     Basis::Harmonics => size_of_val(self.tables.harmonics().of(part)),
                     _ => self.table_bytes(),
@@ -87,6 +111,44 @@ impl IrradianceVolume {
             }
         };
         Basis::ALL.into_iter().enumerate().map(|(i, basis)| error(basis, i + 1)).collect()
+    }
+
+    /// Spheres coloured by how far the volume's own basis is from the exact sum, %, and the error of every
+    /// basis in words. `None` where the volume comes from a file, which does not keep radiance.
+    pub fn basis_scene(
+        &self,
+        world: &World,
+        light: &impl SurfaceLight,
+        view: &VolumeView,
+    ) -> Option<InspectionScene> {
+        let transport = self.transport.as_ref()?;
+        let compared = self.compare_bases(world, light, view.part, COMPARED.0, COMPARED.1);
+        let shown = DirectionBins::new(SHOWN_N);
+        let bins = self.bins();
+        let seen = transport.met.seen(world, light.radiosity(), &self.settings.ignored);
+        let centres: Vec<Vec3> = (0..bins.len()).map(|b| bins.centre(b)).collect();
+        let basis = self.settings.basis;
+        let mean = compared.first()?.mean_lx;
+        let mut scene = spheres(self, view, |s| {
+            let mut radiance = vec![Vec3::ZERO; bins.len()];
+            transport.met.reflected(s, &seen, &mut radiance);
+            let error = |bin: usize| {
+                let normal = shown.centre(bin);
+                let exact = luminance(self.exact_at(s, normal, &centres, &radiance, view.part));
+                let found = luminance(self.at_sample(s as u32, normal, view.part, basis));
+                Vec3::splat(100.0 * (found - exact).abs() / exact.max(0.05 * mean).max(f32::MIN_POSITIVE))
+            };
+            (0..shown.len()).map(error).collect()
+        });
+        scene.bins = Some(shown);
+        scene.legend = Some(Legend {
+            quantity: format!("error of {}", basis.name()),
+            unit: "%".into(),
+            range: [0.0, bulk(&scene.sphere_bins)],
+            names: &[],
+        });
+        scene.notes = compared.iter().map(BasisError::to_string).collect();
+        Some(scene)
     }
 
     /// Eq. 4.3 for one normal, its weights summing to π, and every emitter by itself; lx.

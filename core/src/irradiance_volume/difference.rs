@@ -76,6 +76,24 @@ impl<'a> Difference<'a> {
         (0..bins.len()).map(|bin| self.b.irradiance(position, bins.centre(bin), self.part)).collect()
     }
 
+    /// |A − B| / max(B, `floor`) at one of A's samples by luminance, one value a bin of A; `floor` in lx is
+    /// [`Self::floor_lx`].
+    ///
+    /// # Panics
+    /// If A has no such sample.
+    pub fn relative_at_sample(&self, sample: usize, floor: f32) -> impl Iterator<Item = f32> + use<> {
+        let a = self.a.sample_irradiance(sample, self.part);
+        a.into_iter().zip(self.b_at_sample(sample)).map(move |(a, b)| {
+            let (a, b) = (luminance(a), luminance(b));
+            (a - b).abs() / b.max(floor)
+        })
+    }
+
+    /// 5 % of B's mean over the valid samples of A, lx: what errors are relative to at least.
+    pub fn floor_lx(&self) -> f32 {
+        (0.05 * self.statistics().mean_b_lx).max(f32::MIN_POSITIVE)
+    }
+
     /// Whether both have the same samples and bins.
     pub fn same_samples(&self) -> bool {
         self.a.bins() == self.b.bins()
@@ -135,15 +153,11 @@ impl<'a> Difference<'a> {
     /// How many values of |A − B| / max(B, 5 % of its mean) lie in each step of `width`, the last one and
     /// everything beyond: the histogram of an error.
     pub fn histogram(&self, steps: usize, width: f32) -> Vec<u32> {
-        let mean_b = self.statistics().mean_b_lx;
-        let floor = (0.05 * mean_b).max(f32::MIN_POSITIVE);
+        let floor = self.floor_lx();
         let mut counts = vec![0; steps.max(1)];
         for s in (0..self.a.samples().len()).filter(|&s| self.a.samples()[s].valid) {
-            let a = self.a.sample_irradiance(s, self.part);
-            for (a, b) in a.into_iter().zip(self.b_at_sample(s)) {
-                let (a, b) = (luminance(a), luminance(b));
-                let step = ((a - b).abs() / b.max(floor) / width) as usize;
-                counts[step.min(steps.max(1) - 1)] += 1;
+            for error in self.relative_at_sample(s, floor) {
+                counts[((error / width) as usize).min(steps.max(1) - 1)] += 1;
             }
         }
         counts

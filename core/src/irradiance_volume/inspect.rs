@@ -32,11 +32,15 @@ pub enum ColourBy {
     Age,
     /// Distance to the nearest surface its rays see, m.
     Distance,
+    /// How far its irradiance is from that of the volume it is compared with, direction by direction:
+    /// |A − B| / max(B, 5 % of its mean), %.
+    Error,
 }
 
 impl ColourBy {
     /// Every choice.
-    pub const ALL: [Self; 5] = [Self::Light, Self::Luminance, Self::Validity, Self::Age, Self::Distance];
+    pub const ALL: [Self; 6] =
+        [Self::Light, Self::Luminance, Self::Validity, Self::Age, Self::Distance, Self::Error];
 
     /// Name on screen.
     pub fn name(self) -> &'static str {
@@ -46,6 +50,7 @@ impl ColourBy {
             Self::Validity => "validity",
             Self::Age => "age",
             Self::Distance => "distance",
+            Self::Error => "error",
         }
     }
 }
@@ -90,13 +95,18 @@ impl Default for VolumeView {
     }
 }
 
-/// Spheres at the volume's samples. Radiance is black in a volume that came from a file.
+/// Spheres at the volume's samples. Radiance is black in a volume that came from a file, and the error
+/// where there is no volume to compare with, `against`.
 pub fn volume_spheres(
     volume: &IrradianceVolume,
     world: &World,
     light: &impl SurfaceLight,
     view: &VolumeView,
+    against: Option<&IrradianceVolume>,
 ) -> InspectionScene {
+    if view.colour_by == ColourBy::Error {
+        return error_spheres(volume, view, against);
+    }
     let radiance = view.colour_by == ColourBy::Light && view.quantity == Quantity::Radiance;
     let seen_light = volume.seen(world, light).filter(|_| radiance);
     let mut scene = spheres(volume, view, |i| {
@@ -114,6 +124,7 @@ pub fn volume_spheres(
             (ColourBy::Validity, _) => one(f32::from(sample.state as u8)),
             (ColourBy::Age, _) => one(volume.relights() as f32),
             (ColourBy::Distance, _) => one(nearest_surface(world, sample.position)),
+            (ColourBy::Error, _) => one(0.0),
         }
     });
     scene.legend = Some(legend_of(volume, view, &scene.sphere_bins));
@@ -130,15 +141,16 @@ fn legend_of(volume: &IrradianceVolume, view: &VolumeView, values: &[Vec3]) -> L
         }
         ColourBy::Light => Some((format!("irradiance (no moment of order {} is held)", view.moment), "lx")),
         ColourBy::Luminance => Some(("mean illuminance of a sample".into(), "lx")),
-        ColourBy::Validity => Some(("0 valid, 1 relocated, 2 dilated, 3 masked".into(), "")),
+        ColourBy::Validity => Some(("state of a sample".into(), "")),
         ColourBy::Age => Some(("changes of the light since the rays".into(), "")),
         ColourBy::Distance => Some(("distance to the nearest surface".into(), "m")),
+        ColourBy::Error => Some(("relative error".into(), "%")),
     };
     if let Some((quantity, unit)) = named {
         (legend.quantity, legend.unit) = (quantity, unit.to_owned());
     }
     if view.colour_by == ColourBy::Validity {
-        legend.range = [0.0, 3.0];
+        (legend.range, legend.names) = ([0.0, 3.0], &SampleState::NAMES);
     }
     legend
 }
@@ -153,8 +165,32 @@ pub fn difference_spheres(difference: &Difference, view: &VolumeView) -> Inspect
     scene
 }
 
+/// Spheres coloured by how far a volume is from another, and where it is farthest in words.
+fn error_spheres(
+    volume: &IrradianceVolume,
+    view: &VolumeView,
+    against: Option<&IrradianceVolume>,
+) -> InspectionScene {
+    let difference = against.map(|b| Difference::new(volume, b, view.part));
+    let floor = difference.map_or(0.0, |d| d.floor_lx());
+    let mut scene = spheres(volume, view, |i| match &difference {
+        None => vec![Vec3::ZERO; volume.bins().len()],
+        Some(d) => d.relative_at_sample(i, floor).map(|e| Vec3::splat(100.0 * e)).collect(),
+    });
+    let most = bulk(&scene.sphere_bins);
+    scene.legend = Some(Legend { range: [0.0, most], ..legend_of(volume, view, &scene.sphere_bins) });
+    match &difference {
+        None => scene.notes.push("no volume to compare with is chosen: keep or path-trace one".into()),
+        Some(d) => {
+            scene.curves.push(histogram(d));
+            scene.notes.extend(notes(d));
+        }
+    }
+    scene
+}
+
 /// Spheres at the samples that a view shows, without a legend.
-fn spheres(
+pub(super) fn spheres(
     volume: &IrradianceVolume,
     view: &VolumeView,
     values: impl Fn(usize) -> Vec<Vec3>,
@@ -310,7 +346,7 @@ impl IrradianceVolume {
 
 fn legend(quantity: Quantity, values: &[Vec3]) -> Legend {
     let range = robust_range(values.iter().map(|v| luminance(*v)));
-    Legend { quantity: quantity.name().into(), unit: quantity.unit().into(), range }
+    Legend { quantity: quantity.name().into(), unit: quantity.unit().into(), range, names: &[] }
 }
 
 /// Lines along each axis through the corners of a block of cells.

@@ -103,7 +103,12 @@ pub fn lobe_scene(probe: &Probe, quantity: Quantity, part: Part, reach_m: f32) -
             })
             .collect(),
         meshes: vec![mesh],
-        legend: Some(Legend { quantity: quantity.name().into(), unit: unit.into(), range: [0.0, largest] }),
+        legend: Some(Legend {
+            quantity: quantity.name().into(),
+            unit: unit.into(),
+            range: [0.0, largest],
+            names: &[],
+        }),
         notes: vec![format!(
             "the lobe's farthest point is {largest:.4} {unit}, {reach_m:.2} m from the probe"
         )],

@@ -52,6 +52,7 @@ pub fn volume_slice(volume: &IrradianceVolume, view: &VolumeView) -> InspectionS
             quantity: "irradiance, mean over directions".into(),
             unit: "lx".into(),
             range: if low <= high { [low, high] } else { [0.0, high] },
+            names: &[],
         }),
         ..InspectionScene::default()
     }
@@ -85,7 +86,7 @@ pub(super) fn bulk(values: &[Vec3]) -> f32 {
 
 /// Legend of a signed quantity, lx: as far below zero as above.
 pub(super) fn signed_legend(quantity: &str, most: f32) -> Legend {
-    Legend { quantity: quantity.into(), unit: "lx".into(), range: [-most, most] }
+    Legend { quantity: quantity.into(), unit: "lx".into(), range: [-most, most], names: &[] }
 }
 
 /// The difference in words.

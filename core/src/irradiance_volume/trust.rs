@@ -36,14 +36,12 @@ impl SampleState {
     /// Every state; a state's place is its number in files and false colours.
     pub const ALL: [Self; 4] = [Self::Free, Self::Relocated, Self::Dilated, Self::Masked];
 
+    /// Names on screen, in the same order.
+    pub const NAMES: [&'static str; 4] = ["valid", "relocated", "dilated", "masked"];
+
     /// Name on screen.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Free => "valid",
-            Self::Relocated => "relocated",
-            Self::Dilated => "dilated",
-            Self::Masked => "masked",
-        }
+        Self::NAMES[self as usize]
     }
 }
 

@@ -118,7 +118,12 @@ fn coloured(
     let [_, largest] = robust_range(values.iter().map(|v| luminance(*v)));
     InspectionScene {
         meshes: vec![mesh],
-        legend: Some(Legend { quantity: quantity.into(), unit: unit.into(), range: [0.0, largest] }),
+        legend: Some(Legend {
+            quantity: quantity.into(),
+            unit: unit.into(),
+            range: [0.0, largest],
+            names: &[],
+        }),
         notes: statistics(solution),
         ..InspectionScene::default()
     }

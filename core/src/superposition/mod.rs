@@ -11,6 +11,7 @@ pub mod gbuffer;
 pub mod layers;
 pub mod moved;
 pub mod overlay;
+pub mod panorama;
 pub mod pass;
 pub mod plan;
 pub mod streamed;

@@ -131,7 +131,7 @@ pub fn scene(measured: &Measurement, requirement: &Requirement) -> InspectionSce
     }
     scene.labels.extend(numbers(measured));
     let range = measured.statistics().map_or([0.0, 0.0], |s| [s.min_lx, s.max_lx]);
-    scene.legend = Some(Legend { quantity: "illuminance".into(), unit: "lx".into(), range });
+    scene.legend = Some(Legend { quantity: "illuminance".into(), unit: "lx".into(), range, names: &[] });
     scene
 }
 
