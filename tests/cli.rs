@@ -220,6 +220,18 @@ fn a_picture_equals_itself_and_resembles_the_reference() {
 }
 
 #[test]
+fn textures_are_judged_in_a_table_a_sheet_and_layers() {
+    let (_keep, out) = folder();
+    run(&["textures", "--out", text(&out), "--samples", "3"]).unwrap();
+    let table = fs::read_to_string(out.join("table.csv")).unwrap();
+    let layers = exr::read_layers(&out.join("textures_3.exr")).unwrap();
+    assert_eq!(table.lines().count(), layers.len(), "a header and a reference");
+    assert!(image::open(out.join("sheet_3.png")).unwrap().height() > 1000);
+    let error = run(&["textures", "--out", text(&out), "--samples", "6"]).unwrap_err();
+    assert!(error.contains("--samples 6 is not a power of two plus 1"), "{error}");
+}
+
+#[test]
 fn replay_times_every_step() {
     let (_keep, out) = folder();
     let script = out.join("drag.ron");

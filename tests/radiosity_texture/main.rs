@@ -2,6 +2,7 @@
 
 mod convert;
 mod quadtree;
+mod spot;
 mod stages;
 
 use glam::{UVec2, Vec2, Vec3};

@@ -5,6 +5,7 @@ mod copies;
 mod cost;
 mod headless;
 mod irradiance;
+mod page;
 pub mod panorama;
 pub mod placement;
 mod placement_map;
@@ -18,6 +19,7 @@ mod screenshots;
 mod small_png;
 mod solve;
 mod table;
+mod textures;
 mod tour;
 mod volume;
 mod volume_options;
@@ -109,6 +111,9 @@ enum Job {
         after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out"
     )]
     Replay(replay::Options),
+    /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
+    #[command(after_help = "Example: lumenscope textures --out out --samples 5")]
+    Textures(textures::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
     Check {
@@ -147,6 +152,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),
+        Some(Job::Textures(options)) => textures::run(&options),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
     }

@@ -154,6 +154,19 @@ fn flip_bytes(image: &[u8], reference: &[u8], (w, h): (u32, u32), pixels_per_deg
     Flip { mean, map }
 }
 
+/// Second difference at every pixel, the sum of its four neighbours less four times itself: what makes Mach
+/// bands, in the image's unit a pixel². Zero on the border.
+pub fn second_difference(image: &LinearImage) -> LinearImage {
+    let (w, h) = (image.width, image.height);
+    LinearImage::from_fn(w, h, |x, y| {
+        if x == 0 || y == 0 || x + 1 >= w || y + 1 >= h {
+            return Vec3::ZERO;
+        }
+        let around = image.at(x - 1, y) + image.at(x + 1, y) + image.at(x, y - 1) + image.at(x, y + 1);
+        around - 4.0 * image.at(x, y)
+    })
+}
+
 fn mean_over_channels(
     image: &LinearImage,
     reference: &LinearImage,

@@ -6,6 +6,7 @@
 pub mod image;
 pub mod irradiance;
 pub mod perceptual;
+pub mod reconstruction;
 pub mod significance;
 pub mod volume;
 

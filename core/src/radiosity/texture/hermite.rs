@@ -2,7 +2,9 @@
 //!
 //! Level by level from the root: every vertex of a level's lattice has its own sample, or the value that the
 //! level above gives there. Between the vertices of a level lies a bicubic Hermite patch whose derivatives
-//! are differences of that lattice: central inside, one-sided and quadratic at the border. The last level is
+//! are differences of that lattice: central inside, one-sided at the border, where the second
+//! difference counts only as far as the next one bears it out: beside an undersampled spot it would throw the
+//! border cells far off. The last level is
 //! the function: it passes through every sample, and because neighbours share the value and derivatives of
 //! each vertex it is C¹ inside, across edges and at T-vertices, however unbalanced the tree is.
 //! Quadratics come back exactly from full trees of two levels or more.
@@ -131,18 +133,30 @@ fn differences(values: &[Vec3], side: usize, stride: usize) -> Vec<Vec3> {
     (0..values.len())
         .map(|i| {
             let place = i / stride % side;
-            if side == 2 {
-                let first = i - place * stride;
-                values[first + stride] - values[first]
-            } else if place == 0 {
-                0.5 * (4.0 * values[i + stride] - 3.0 * values[i] - values[i + 2 * stride])
+            if place == 0 {
+                end_slope(side, |k| values[i + k * stride])
             } else if place == side - 1 {
-                0.5 * (3.0 * values[i] - 4.0 * values[i - stride] + values[i - 2 * stride])
+                -end_slope(side, |k| values[i - k * stride])
             } else {
                 0.5 * (values[i + stride] - values[i - stride])
             }
         })
         .collect()
+}
+
+/// Derivative at the first of `count` values: the first difference less half the smaller of the two second
+/// differences there; without the second term where they disagree in sign or there is one only.
+fn end_slope(count: usize, value: impl Fn(usize) -> Vec3) -> Vec3 {
+    let step = value(1) - value(0);
+    if count < 4 {
+        return step;
+    }
+    let near = value(2) - 2.0 * value(1) + value(0);
+    let next = value(3) - 2.0 * value(2) + value(1);
+    let agreed = |c: usize| {
+        if near[c] * next[c] > 0.0 { near[c].signum() * near[c].abs().min(next[c].abs()) } else { 0.0 }
+    };
+    step - 0.5 * Vec3::new(agreed(0), agreed(1), agreed(2))
 }
 
 impl Vertex {

@@ -5,8 +5,8 @@
 //! texels: its texture lies half a texel aside and has one texel more, so that nothing is shifted.
 //!
 //! A wide filter loses what is small. The adaptive one takes, texel by texel, the widest filter up to 5 × 5
-//! that moves the value by no more than a share of the texture's range: flat light is smoothed and the top
-//! of a small spot stays. Between the widths it mixes, which mixes their variances too; weights sum
+//! that moves the value by no more than a share of it: flat light is smoothed and the top of a small spot
+//! stays. Between the widths it mixes, which mixes their variances too; weights sum
 //! to 1 at every texel, so a constant stays constant.
 
 use super::RadiosityTexture;
@@ -40,18 +40,12 @@ pub fn gaussian(texture: &RadiosityTexture, width: u32) -> RadiosityTexture {
 }
 
 /// A texture through the widest Gaussian, at most 5 × 5, that moves no texel's luminance by more than
-/// `tolerance` of the texture's range.
+/// `tolerance` of it.
 pub fn adaptive(texture: &RadiosityTexture, tolerance: f32) -> RadiosityTexture {
     let levels = [texture.clone(), gaussian(texture, 3), gaussian(texture, 5)];
-    let (low, high) = texture
-        .image
-        .pixels
-        .iter()
-        .map(|p| luminance(*p))
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    let most = tolerance * (high - low).max(0.0);
     let pixels = (0..texture.image.pixels.len()).map(|i| {
         let [own, narrow, wide] = [0, 1, 2].map(|level| levels[level].image.pixels[i]);
+        let most = tolerance * luminance(own).abs();
         let [near, far] = [narrow, wide].map(|v| luminance(v - own).abs());
         if near > most {
             own.lerp(narrow, most / near)
