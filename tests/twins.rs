@@ -5,7 +5,10 @@ use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     gpu::{FrameSettings, GpuContext, GpuRenderer, frame, inspection as gpu_inspection, shaders, tables},
     inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
-    irradiance_volume::dynamic_object::DynamicObject,
+    irradiance_volume::{
+        dynamic_object::{DynamicObject, Gloss},
+        moments::Order,
+    },
     math::{
         false_colour::{FalseColour, Palette},
         image::LinearImage,
@@ -152,8 +155,14 @@ fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
     let mut gpu = Gpu::new(context);
     let still = solved(cornell());
     let moved = moved(&still);
-    // The third round comes back to the first solution: only placements are sent.
-    for (what, solution) in [("still", &still), ("moved", &moved), ("still again", &still)] {
+    let order = Order::Finite(10);
+    let volume = moved.volume.as_ref().unwrap().with_moments(&[order], &moved.world, &*moved.radiosity);
+    let shining = LightTransportSolution { volume: Some(Arc::new(volume)), ..moved.clone() }
+        .with_gloss(Some(Gloss { order, eye: moved.scene.camera.eye }));
+    assert!(shining.gloss.is_some() && moved.with_gloss(shining.gloss).gloss.is_none());
+    // The last round comes back to the first solution: only placements are sent.
+    let rounds = [("still", &still), ("moved", &moved), ("shining", &shining), ("still again", &still)];
+    for (what, solution) in rounds {
         gpu.upload(solution);
         for direct in [DirectQuality::Elements, DirectQuality::PerPixel(4)] {
             let camera = solution.scene.camera;

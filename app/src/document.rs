@@ -3,7 +3,7 @@
 use crate::{copies::Copies, placement::Placement};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    irradiance_volume::{inspect::ColourBy, moments::Order},
+    irradiance_volume::{dynamic_object::Gloss, inspect::ColourBy, moments::Order},
     math::part::Part,
     scene::{Scene, Target, camera::Camera, file::PlanOverrides},
     superposition::composite::{DirectQuality, Display},
@@ -76,6 +76,16 @@ pub struct View {
     /// Two copies of something, lit by two volumes.
     #[serde(default)]
     pub copies: Option<Copies>,
+    /// Order of the volume's moment by which movable objects shine; `None` where they are diffuse.
+    #[serde(default)]
+    pub gloss: Option<Order>,
+}
+
+impl View {
+    /// How movable objects shine, seen from the camera.
+    pub fn gloss(&self) -> Option<Gloss> {
+        Some(Gloss { order: self.gloss?, eye: self.camera.eye })
+    }
 }
 
 /// What fills the viewport.
@@ -165,6 +175,7 @@ impl Default for View {
             probe_resolutions: false,
             views: Vec::new(),
             copies: None,
+            gloss: None,
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use super::*;
 use lumenscope_core::{
-    irradiance_volume::moments::{Order, moment_by_definition},
+    irradiance_volume::{
+        dynamic_object::Gloss,
+        moments::{Order, moment_by_definition},
+    },
     math::frame::mirrored,
     radiosity::RadiositySettings,
     superposition::{
@@ -164,12 +167,10 @@ fn a_glossy_object_in_a_furnace_cannot_be_seen() {
     let live = LiveTransport::solve(Arc::new(scene), settings, &Progress::silent(), &mut |_| {}).unwrap();
     let solution = live.current();
     for order in Order::THESIS {
-        let settings = PassSettings {
-            direct: DirectQuality::PerPixel(1),
-            moment: Some(order),
-            ..PassSettings::default()
-        };
-        let (buffer, layers) = render(solution, &solution.scene.camera, 48, 36, &settings);
+        let settings = PassSettings { direct: DirectQuality::PerPixel(1), ..PassSettings::default() };
+        let camera = solution.scene.camera;
+        let glossy = solution.with_gloss(Some(Gloss { order, eye: camera.eye }));
+        let (buffer, layers) = render(&glossy, &camera, 48, 36, &settings);
         let picture = layers.sum([1.0; 3]);
         let geometry = &solution.world.geometry;
         let on_block: Vec<f32> = buffer

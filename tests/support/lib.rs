@@ -158,6 +158,7 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
         dynamic_objects: Default::default(),
         guests: Default::default(),
         detail: Default::default(),
+        gloss: None,
         provenance: Default::default(),
     }
 }

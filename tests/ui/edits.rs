@@ -164,6 +164,23 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
 }
 
 #[test]
+fn movable_objects_shine_by_a_moment_that_the_plan_asks_for() {
+    let mut window = Window::on_room();
+    window.wait_picture();
+    let diffuse = window.picture();
+    let order = Order::Finite(10);
+    let view = View { gloss: Some(order), ..window.view() };
+    window.run(Command::View(Box::new(view)));
+    window.harness.get_by_label("The volume holds no moment of order 10: add it under Plan.");
+    let plan = PlanOverrides { volume_moments: Some(vec![order]), ..window.scene().plan.clone() };
+    window.run(Command::Plan(plan));
+    window.wait_lit();
+    assert!(window.harness.query_by_label_contains("holds no moment").is_none());
+    window.wait_other_picture(&diffuse);
+    window.keep("glossy");
+}
+
+#[test]
 fn how_the_volume_is_asked_changes_without_new_rays() {
     let mut window = Window::on_room();
     let volume = |w: &Window| w.app().session().solution.as_ref().unwrap().volume.clone().unwrap();

@@ -11,7 +11,10 @@ use crate::{
 };
 use egui::ViewportCommand;
 use lumenscope_core::{io::probe::write_probe, superposition::composite::DirectQuality};
-use std::{path::PathBuf, sync::mpsc::Sender};
+use std::{
+    path::PathBuf,
+    sync::{Arc, mpsc::Sender},
+};
 
 /// Widest reference traced while looking: larger ones take seconds a sample on two cores.
 const REFERENCE_WIDTH: u32 = 480;
@@ -132,7 +135,7 @@ impl LumenscopeApp {
         let view = &self.session.document.view;
         self.worker.export(ExportRequest {
             path,
-            solution,
+            solution: Arc::new(solution.with_gloss(view.gloss())),
             camera: view.camera,
             size: self.picture_size(self.dock.viewport_size.x.clamp(16.0, 4096.0) as u32),
             weights: view.weights,

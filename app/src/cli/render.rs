@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use lumenscope_core::{
     gpu,
     io::exr,
-    irradiance_volume::moments::Order,
+    irradiance_volume::{dynamic_object::Gloss, moments::Order},
     math::{image::LinearImage, progress::Progress},
     superposition::{
         accumulator::Accumulator,
@@ -36,7 +36,7 @@ pub struct Options {
     #[arg(long)]
     frames: Option<u32>,
     /// Shade objects that may be moved from the irradiance volume by the moment of this order (1 to 10000, or
-    /// inf), towards the mirrored view vector above order 1; on the CPU.
+    /// inf), towards the mirrored view vector above order 1.
     #[arg(long)]
     moment: Option<Order>,
     #[command(flatten)]
@@ -66,21 +66,16 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         options.volume.apply(settings);
     }
     if let Some(order) = options.moment {
-        if options.backend == Backend::Gpu {
-            anyhow::bail!("--moment is computed on the CPU: leave --backend gpu out");
-        }
         let settings = loaded.plan.volume_settings();
         options.volume.apply(settings);
         settings.moments.push(order);
     }
     let load_seconds = start.elapsed().as_secs_f64();
-    let solution = solve::solve(&loaded, false)?;
+    let eye = loaded.scene.camera.eye;
+    let solution = solve::solve(&loaded, false)?.with_gloss(options.moment.map(|order| Gloss { order, eye }));
     let frames = options.frames.unwrap_or((loaded.plan.direct_samples / 2).max(4));
     let start_picture = Instant::now();
-    let (layers, backend) = match options.moment {
-        None => picture(&solution, options.size, frames, options.backend, common.seed)?,
-        moment => (picture_on_cpu(&solution, options.size, frames, common.seed, moment), "cpu".into()),
-    };
+    let (layers, backend) = picture(&solution, options.size, frames, options.backend, common.seed)?;
     let picture_seconds = start_picture.elapsed().as_secs_f64();
     let total_seconds = start.elapsed().as_secs_f64();
 
@@ -143,23 +138,22 @@ pub fn picture(
             Err(_) => {}
         }
     }
-    Ok((picture_on_cpu(solution, [width, height], frames, seed, None), "cpu".into()))
+    Ok((picture_on_cpu(solution, [width, height], frames, seed), "cpu".into()))
 }
 
-/// The layers of a solution seen by its scene's camera, on the CPU; `moment` as in [`PassSettings`].
+/// The layers of a solution seen by its scene's camera, on the CPU.
 pub fn picture_on_cpu(
     solution: &LightTransportSolution,
     [width, height]: [u32; 2],
     frames: u32,
     seed: u64,
-    moment: Option<Order>,
 ) -> Layers {
     solve::watched(|progress: &Progress| {
         progress.begin("picture");
         let mut mean = Accumulator::new();
         for frame in 0..frames.max(1) {
             let settings =
-                PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed, moment };
+                PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
             mean.add(&render(solution, &solution.scene.camera, width, height, &settings).1);
             let _ = progress.report((frame + 1) as f32 / frames.max(1) as f32);
         }

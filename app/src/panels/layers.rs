@@ -7,6 +7,7 @@ use crate::{
 };
 use egui::{Checkbox, ComboBox, DragValue, Grid, Slider, Ui};
 use lumenscope_core::{
+    irradiance_volume::moments::Order,
     math::false_colour::{FalseColour, Palette},
     superposition::{
         composite::{DirectQuality, ToneCurve},
@@ -19,6 +20,7 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     edit_view(&session.document.view, out, |view| {
         layers(ui, view);
         section(ui, "Display", |ui| display(ui, view));
+        section(ui, "Movable objects", |ui| gloss(ui, session, view));
     });
 }
 
@@ -115,6 +117,32 @@ fn display(ui: &mut Ui, view: &mut View) {
         ui.end_row();
     });
     false_colour(ui, view);
+}
+
+fn gloss(ui: &mut Ui, session: &Session, view: &mut View) {
+    let name = |gloss: Option<Order>| match gloss {
+        None => "diffuse".to_owned(),
+        Some(order) => format!("glossy, order {order}"),
+    };
+    ComboBox::from_id_salt("gloss")
+        .selected_text(name(view.gloss))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut view.gloss, None, name(None));
+            for order in Order::THESIS.into_iter().filter(|o| *o != Order::IRRADIANCE) {
+                ui.selectable_value(&mut view.gloss, Some(order), name(Some(order)));
+            }
+        })
+        .response
+        .on_hover_text(
+            "Diffuse, or lit by the volume's moment of order n towards the mirrored view vector:\n\n\
+             H(x, ω) = (n + 1)/2 ∫ L(x, ω') max(0, ω·ω')^n dω', lx",
+        );
+    let volume = session.solution.as_ref().and_then(|s| s.volume.as_deref());
+    if let (Some(order), Some(volume)) = (view.gloss, volume)
+        && !volume.orders().contains(&order)
+    {
+        ui.weak(format!("The volume holds no moment of order {order}: add it under Plan."));
+    }
 }
 
 fn false_colour(ui: &mut Ui, view: &mut View) {

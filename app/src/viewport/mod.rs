@@ -28,6 +28,7 @@ use egui::{Color32, Rect, Sense, pos2, vec2};
 use interaction::Interaction;
 use lumenscope_core::{
     inspection::{InspectionScene, Legend},
+    irradiance_volume::dynamic_object::Gloss,
     math::image::LinearImage,
     scene::{Scene, Target, camera::Camera},
     transport::LightTransportSolution,
@@ -84,6 +85,8 @@ pub struct Viewport {
     last: Option<(Camera, Same<LightTransportSolution>)>,
     moved_at: f64,
     pick: Option<(Pick, Same<LightTransportSolution>)>,
+    /// A solution, how its movable objects were made to shine, and what that came to.
+    shining: Option<(Same<LightTransportSolution>, Gloss, Arc<LightTransportSolution>)>,
 }
 
 impl Viewport {
@@ -167,6 +170,27 @@ impl Viewport {
         moving
     }
 
+    /// The light with movable objects as glossy as the view wants them.
+    fn shining(
+        &mut self,
+        solution: &Arc<LightTransportSolution>,
+        view: &View,
+    ) -> Arc<LightTransportSolution> {
+        let Some(gloss) = view.gloss() else {
+            self.shining = None;
+            return solution.clone();
+        };
+        let of = Same(Some(solution.clone()));
+        match &self.shining {
+            Some((known, how, shining)) if *known == of && *how == gloss => shining.clone(),
+            _ => {
+                let shining = Arc::new(solution.with_gloss(Some(gloss)));
+                self.shining = Some((of, gloss, shining.clone()));
+                shining
+            }
+        }
+    }
+
     fn paint_picture(
         &mut self,
         ui: &egui::Ui,
@@ -188,7 +212,7 @@ impl Viewport {
             _ => pixels(ui, screen.rect),
         };
         let request = input.solution.map(|solution| Request {
-            solution: solution.clone(),
+            solution: self.shining(solution, view),
             camera: view.camera,
             size,
             direct: view.direct,

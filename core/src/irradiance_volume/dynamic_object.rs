@@ -11,10 +11,10 @@
 //! Limits: the hidden part of the hemisphere counts as black, although it sends back some of what falls on
 //! it (a lit bowl brightens itself), and as average in what it would have shown.
 
-use super::IrradianceVolume;
+use super::{IrradianceVolume, moments::Order};
 use crate::{
     math::{
-        frame::{cosine_direction, frame_from_normal},
+        frame::{cosine_direction, frame_from_normal, mirrored},
         part::Part,
         random::{hash2, r2_point},
     },
@@ -54,6 +54,27 @@ pub enum Detail {
     /// At every node, so that large triangles show what happens inside them.
     #[default]
     Fine,
+}
+
+/// How objects that may be moved shine: by a moment of the volume, seen from somewhere (Greger 1996, §4.4 and
+/// Fig. 4.18).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Order of the moment; 1 is diffuse.
+    pub order: Order,
+    /// Where the eye is, m.
+    pub eye: Vec3,
+}
+
+impl Gloss {
+    /// The direction a surface asks the volume about: its normal at order 1, else the view vector mirrored at
+    /// it.
+    pub fn towards(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        if self.order == Order::IRRADIANCE {
+            return normal;
+        }
+        mirrored((self.eye - position).normalize_or(normal), normal)
+    }
 }
 
 /// What an object needs to be lit from the volume, wherever it stands.
@@ -321,10 +342,47 @@ impl DynamicObject {
         side: f32,
         detail: Detail,
     ) -> Vec<Vec3> {
+        let ask = |position, normal| volume.irradiance(position, normal, part);
+        let mut light = self.asked(geometry, object, side, detail, ask);
+        if part == Part::Indirect {
+            let back = usize::from(side < 0.0);
+            light.iter_mut().zip(&self.open).for_each(|(e, open)| *e *= open[back]);
+        }
+        light
+    }
+
+    /// Moment of every node towards where it shines, lx per channel, as [`Self::irradiance`]; black where the
+    /// volume does not hold the order. What the object hides from itself is not left out.
+    #[expect(clippy::too_many_arguments, reason = "as irradiance, and how it shines")]
+    pub fn moments(
+        &self,
+        volume: &IrradianceVolume,
+        geometry: &Geometry,
+        object: usize,
+        part: Part,
+        side: f32,
+        detail: Detail,
+        gloss: &Gloss,
+    ) -> Vec<Vec3> {
+        self.asked(geometry, object, side, detail, |position, normal| {
+            let towards = gloss.towards(position, normal);
+            volume.moment(position, towards, gloss.order, part).unwrap_or_default()
+        })
+    }
+
+    /// What every node is answered, (position, normal) on one side, by a level of detail.
+    fn asked(
+        &self,
+        geometry: &Geometry,
+        object: usize,
+        side: f32,
+        detail: Detail,
+        query: impl Fn(Vec3, Vec3) -> Vec3 + Sync,
+    ) -> Vec<Vec3> {
         let first = geometry.object_triangles[object].start;
         let ask = |node: usize| {
             let (position, normal) = self.place(geometry, first, node);
-            volume.irradiance(position, normal * side, part)
+            query(position, normal * side)
         };
         let all = |nodes: usize| -> Vec<Vec3> { (0..nodes).into_par_iter().map(ask).collect() };
         let mut light = match detail {
@@ -341,10 +399,6 @@ impl DynamicObject {
         for &(triangle, Vec2 { x: u, y: v }) in &self.places[light.len()..] {
             let [a, b, c] = std::array::from_fn(|i| light[self.corner(triangle, i) as usize]);
             light.push(a * (1.0 - u - v) + b * u + c * v);
-        }
-        if part == Part::Indirect {
-            let back = usize::from(side < 0.0);
-            light.iter_mut().zip(&self.open).for_each(|(e, open)| *e *= open[back]);
         }
         light
     }

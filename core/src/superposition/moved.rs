@@ -33,11 +33,21 @@ pub struct MovedLight {
 
 impl MovedLight {
     /// Queries the volume as finely as the solution says; `direct` says whether the direct part is wanted
-    /// too. Without a volume all is black.
+    /// too. Without a volume all is black. Where movable objects shine, all of them are here, moved or not, and
+    /// their direct light too is the volume's.
     pub fn new(solution: &LightTransportSolution, direct: bool) -> Self {
         let mut light = Self::default();
         let volume = solution.volume.as_deref();
-        for &object in &solution.moved_objects {
+        let movable = &solution.world.geometry.movable;
+        let guest = |object| solution.guests.iter().any(|g| g.object == object);
+        let shining = (0..movable.len() as u32).filter(|&o| movable[o as usize] && !guest(o)).collect();
+        let objects: Vec<u32> =
+            if solution.gloss.is_some() { shining } else { solution.moved_objects.clone() };
+        let direct = direct || solution.gloss.is_some();
+        for object in objects {
+            if solution.gloss.is_some() {
+                light.stored_direct.insert(object);
+            }
             light.first.insert(object, light.lattices.len() as u32);
             match solution.dynamic_objects.get(&object) {
                 Some(known) => light.add(solution, object as usize, known, volume, [direct, true]),
@@ -71,8 +81,12 @@ impl MovedLight {
         let mut ask = |part: Part, side: f32, wanted: bool| -> Vec<Vec3> {
             match volume {
                 Some(volume) if wanted => {
-                    self.queries += known.queries(solution.detail);
-                    known.irradiance(volume, geometry, object, part, side, solution.detail)
+                    let detail = solution.detail;
+                    self.queries += known.queries(detail);
+                    match &solution.gloss {
+                        Some(gloss) => known.moments(volume, geometry, object, part, side, detail, gloss),
+                        None => known.irradiance(volume, geometry, object, part, side, detail),
+                    }
                 }
                 _ => vec![Vec3::ZERO; known.places.len()],
             }

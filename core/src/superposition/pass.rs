@@ -6,9 +6,7 @@
 
 use super::{composite::DirectQuality, gbuffer::GBuffer, layers::Layers, moved::MovedLight};
 use crate::{
-    irradiance_volume::moments::Order,
     math::{
-        frame::mirrored,
         part::Part,
         random::{hash2, r2_point},
     },
@@ -33,15 +31,11 @@ pub struct PassSettings {
     pub jitter: bool,
     /// Seed of every random number.
     pub seed: u64,
-    /// Shades objects that may be moved from the irradiance volume, by the moment of this order: glossy
-    /// ones (order above 1) are asked along the mirrored view vector (Greger 1996, §4.4 and Fig. 4.18).
-    /// An order that the volume does not hold changes nothing. On the CPU alone.
-    pub moment: Option<Order>,
 }
 
 impl Default for PassSettings {
     fn default() -> Self {
-        Self { direct: DirectQuality::PerPixel(4), frame: 0, jitter: false, seed: 1, moment: None }
+        Self { direct: DirectQuality::PerPixel(4), frame: 0, jitter: false, seed: 1 }
     }
 }
 
@@ -73,7 +67,7 @@ pub fn render(
     let shaded: Vec<[Vec3; 3]> = (0..buffer.triangle.len())
         .into_par_iter()
         .map(|pixel| match buffer.surface(&solution.world, camera, pixel) {
-            Some(surface) => shade(solution, &moved, &surface, settings, camera.eye, pixel as u32),
+            Some(surface) => shade(solution, &moved, &surface, settings, pixel as u32),
             None => [Vec3::ZERO; 3],
         })
         .collect();
@@ -90,7 +84,6 @@ fn shade(
     moved: &MovedLight,
     surface: &Surface,
     settings: &PassSettings,
-    eye: Vec3,
     pixel: u32,
 ) -> [Vec3; 3] {
     let geometry = &solution.world.geometry;
@@ -98,11 +91,6 @@ fn shade(
     let reflectance = geometry.reflectance(surface);
     if reflectance == Vec3::ZERO {
         return [emitted, Vec3::ZERO, Vec3::ZERO];
-    }
-    if let Some([direct, indirect]) = settings.moment.and_then(|order| moments(solution, surface, eye, order))
-    {
-        let share = reflectance * FRAC_1_PI;
-        return [emitted, share * direct, share * indirect];
     }
     let stored = |part: Part| {
         moved.irradiance(solution, surface.triangle, surface.barycentric, surface.back, part).unwrap_or_else(
@@ -124,23 +112,4 @@ fn shade(
     };
     let brdf = reflectance * FRAC_1_PI;
     [emitted, brdf * direct, brdf * stored(Part::Indirect)]
-}
-
-/// Direct and indirect moment at a surface of an object that may be moved, lx: towards the normal at order
-/// 1, else towards where a mirror would show the eye the light from. `None` where something else lights it.
-fn moments(
-    solution: &LightTransportSolution,
-    surface: &Surface,
-    eye: Vec3,
-    order: Order,
-) -> Option<[Vec3; 2]> {
-    let geometry = &solution.world.geometry;
-    let volume = solution.volume.as_ref()?;
-    if !geometry.movable[geometry.object[surface.triangle as usize] as usize] {
-        return None;
-    }
-    let view = (eye - surface.position).normalize_or(surface.normal);
-    let towards = if order == Order::IRRADIANCE { surface.normal } else { mirrored(view, surface.normal) };
-    let of = |part| volume.moment(surface.position, towards, order, part);
-    Some([of(Part::Direct)?, of(Part::Indirect)?])
 }

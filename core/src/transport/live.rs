@@ -152,6 +152,7 @@ impl LiveTransport {
             dynamic_objects: Arc::default(),
             guests: Arc::default(),
             detail: Detail::Fine,
+            gloss: None,
             provenance,
         };
         if settings.preview {

@@ -4,7 +4,8 @@ use super::guests::Guest;
 use crate::{
     irradiance_volume::{
         IrradianceVolume,
-        dynamic_object::{Detail, DynamicObject},
+        dynamic_object::{Detail, DynamicObject, Gloss},
+        moments::Order,
     },
     radiosity::RadiositySolution,
     scene::{Scene, world::World},
@@ -30,8 +31,22 @@ pub struct LightTransportSolution {
     pub guests: Arc<Vec<Guest>>,
     /// How finely the moved objects ask the volume.
     pub detail: Detail,
+    /// How the movable objects shine; `None` where they are diffuse.
+    pub gloss: Option<Gloss>,
     /// What it was made with.
     pub provenance: Provenance,
+}
+
+impl LightTransportSolution {
+    /// The same light with movable objects that shine, or are diffuse again; an order that the volume does
+    /// not hold changes nothing.
+    pub fn with_gloss(&self, gloss: Option<Gloss>) -> Self {
+        let held = |g: &Gloss| {
+            let volume = self.volume.as_deref();
+            volume.is_some_and(|v| g.order == Order::IRRADIANCE || v.orders().contains(&g.order))
+        };
+        Self { gloss: gloss.filter(held), ..self.clone() }
+    }
 }
 
 /// What a solution was made with, and how far it is.
