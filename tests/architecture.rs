@@ -10,7 +10,7 @@ use std::{
 const ORDER: [&[&str]; 8] = [
     &["math"],
     &["scene"],
-    &["reference", "radiosity", "irradiance_volume"],
+    &["reference", "radiosity", "irradiance_volume", "mirror", "glossy"],
     &["transport"],
     &["superposition"],
     &["gpu"],

@@ -59,7 +59,7 @@ fn view() -> impl Strategy<Value = View> {
         .prop_map(|(eye, weights, probe, probe_bins_n, selected, ev100)| {
             let mut view = View { probe, probe_bins_n, selected, ..View::default() };
             view.camera.eye = eye;
-            view.weights = weights.to_array();
+            view.weights = [weights.x, weights.y, weights.z, weights.y, weights.x];
             view.display.ev100 = ev100;
             view.compare = if ev100 > 1.0 { Compare::Reference } else { Compare::Picture };
             view
@@ -179,7 +179,7 @@ proptest! {
 fn the_coarse_light_of_the_property_test_is_light() {
     let settings = PassSettings::default();
     let (_, layers) = render(&SOLVED, &SOLVED.scene.camera, 16, 12, &settings);
-    assert!(layers.images.iter().all(|i| i.mean().min_element() > 0.0), "every layer has light to lose");
+    assert!(layers.images[..3].iter().all(|i| i.mean().min_element() > 0.0), "every layer has light to lose");
 }
 
 #[test]

@@ -83,13 +83,14 @@ fn a_point_lamp_over_a_floor_is_its_closed_form_at_every_pixel() {
 fn layers_sum_to_the_picture_and_weights_weigh_them() {
     let solution = solved(cornell());
     let (_, layers) = render(&solution, &solution.scene.camera, 48, 40, &PassSettings::default());
-    for layer in Layer::ALL {
+    for layer in [Layer::Emitted, Layer::Direct, Layer::Indirect] {
         assert!(layers.get(layer).mean().max_element() > 0.01, "{} is black", layer.name());
     }
-    let picture = layers.sum([1.0; 3]);
-    let weighted = layers.sum([0.0, 2.0, 0.5]);
+    let picture = layers.total();
+    let weighted = layers.sum([0.0, 2.0, 0.5, 3.0, 1.0]);
     for i in 0..picture.pixels.len() {
-        let [e, d, n] = Layer::ALL.map(|l| layers.get(l).pixels[i].as_dvec3());
+        let [e, d, n, mirror, glossy] = Layer::ALL.map(|l| layers.get(l).pixels[i].as_dvec3());
+        assert_eq!((mirror, glossy), Default::default(), "nothing here has a lobe");
         let (sum, scale) = (picture.pixels[i].as_dvec3(), (e + d + n).max_element().max(1e-6));
         assert!((sum - (e + d + n)).abs().max_element() <= 1e-5 * scale);
         let wanted = d * 2.0 + n * 0.5;
@@ -312,7 +313,7 @@ fn the_overlay_draws_in_front_and_hides_behind() {
     let solution = solved(cornell());
     let camera = solution.scene.camera;
     let (buffer, layers) = render(&solution, &camera, 80, 80, &PassSettings::default());
-    let plain = composite::display(&layers.sum([1.0; 3]), &Display::default());
+    let plain = composite::display(&layers.total(), &Display::default());
     let bins = DirectionBins::new(3);
     let colour = FalseColour { palette: Palette::Viridis, low: 0.0, high: 1.0, logarithmic: false };
     let draw = |centre: Vec3, value: f32| {

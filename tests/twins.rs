@@ -132,6 +132,10 @@ fn compare(what: &str, gpu: (&[u32], &Layers), cpu: (&GBuffer, &Layers)) {
     for layer in Layer::ALL {
         let (a, b) = (&gpu.1.get(layer).pixels, &cpu.1.get(layer).pixels);
         let mean = cpu.1.get(layer).mean().element_sum() / 3.0;
+        if matches!(layer, Layer::Mirror | Layer::Glossy) && mean == 0.0 {
+            assert_eq!(gpu.1.get(layer).mean(), Vec3::ZERO);
+            continue;
+        }
         assert!(mean > 0.0, "{what}: {} is black, nothing is compared", layer.name());
         let errors: Vec<f32> = same.iter().map(|&i| (a[i] - b[i]).abs().max_element() / mean).collect();
         assert!(errors.iter().all(|e| e.is_finite()), "{what}: {} is not finite", layer.name());
@@ -240,7 +244,7 @@ fn the_running_mean_is_the_accumulators() {
     }
     assert_eq!(gpu.renderer.accumulated(), frames);
     let (gpu, cpu) = (gpu.layers(), mean.mean());
-    for layer in Layer::ALL {
+    for layer in [Layer::Emitted, Layer::Direct, Layer::Indirect] {
         let level = cpu.get(layer).mean().element_sum() / 3.0;
         let mut errors: Vec<f32> = gpu
             .get(layer)
@@ -272,7 +276,7 @@ fn the_display_is_the_same_within_one_step() {
         Display { false_colour: Some(heat(false)), ..Display::default() },
         Display { false_colour: Some(heat(true)), ..Display::default() },
     ] {
-        let weights = [1.0, 0.5, 2.0];
+        let weights = [1.0, 0.5, 2.0, 1.0, 1.0];
         let settings = FrameSettings {
             display,
             weights,
@@ -353,7 +357,7 @@ fn inspection_scenes_are_drawn_as_the_overlay_says() {
     gpu.frame(&settings);
     let pass = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
     let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &pass);
-    let plain = composite::display(&layers.sum([1.0; 3]), &settings.display);
+    let plain = composite::display(&layers.total(), &settings.display);
     let mut wanted = plain.clone();
     overlay::draw(&mut wanted, &buffer, &camera, &scene, &colour);
     let drawn = plain.iter().zip(&wanted).filter(|(a, b)| a != b).count();
@@ -449,6 +453,10 @@ fn structures_have_the_same_layout_on_both_sides() {
         emission,
         emission_texture,
         double_sided,
+        diffuse_share,
+        metallic,
+        dielectric,
+        alpha,
         padding
     );
     same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
@@ -482,6 +490,8 @@ fn structures_have_the_same_layout_on_both_sides() {
         tone,
         false_colour,
         encode,
+        layer_count,
+        specular_weights,
         padding
     );
     same_layout!(COMPOSITE, "FalseColour", frame::FalseColourTable, low, high, logarithmic, padding, palette);

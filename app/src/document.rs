@@ -6,7 +6,10 @@ use lumenscope_core::{
     irradiance_volume::{dynamic_object::Gloss, inspect::ColourBy, moments::Order},
     math::part::Part,
     scene::{Scene, Target, camera::Camera, file::PlanOverrides},
-    superposition::composite::{DirectQuality, Display},
+    superposition::{
+        composite::{DirectQuality, Display},
+        layers::{COUNT, Weights},
+    },
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -53,7 +56,8 @@ pub struct View {
     /// Whether exposure follows the picture.
     pub auto_exposure: bool,
     /// Weight of each layer, in the order of `Layer::ALL`.
-    pub weights: [f32; 3],
+    #[serde(deserialize_with = "weights")]
+    pub weights: Weights,
     /// Direct light a pixel, when at rest.
     pub direct: DirectQuality,
     /// Picture, reference or difference.
@@ -164,7 +168,7 @@ impl Default for View {
             camera: Camera::default(),
             display: Display::default(),
             auto_exposure: true,
-            weights: [1.0; 3],
+            weights: [1.0; COUNT],
             direct: DirectQuality::PerPixel(4),
             compare: Compare::Picture,
             volume: VolumeView::default(),
@@ -302,3 +306,25 @@ pub fn dim_problem(scene: &Scene, target: Target, dimmer: f32) -> Option<&'stati
 
 /// Most a lamp can be raised over what the file says.
 pub const MOST_DIMMER: f32 = 10.0;
+
+/// Weights of layers; those that an older session does not name are 1.
+fn weights<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Weights, D::Error> {
+    struct Visitor;
+    impl<'de> serde::de::Visitor<'de> for Visitor {
+        type Value = Weights;
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "at most {COUNT} numbers")
+        }
+        fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut values: A) -> Result<Weights, A::Error> {
+            let mut weights = [1.0; COUNT];
+            for weight in &mut weights {
+                match values.next_element()? {
+                    Some(value) => *weight = value,
+                    None => break,
+                }
+            }
+            Ok(weights)
+        }
+    }
+    deserializer.deserialize_tuple(COUNT, Visitor)
+}

@@ -111,7 +111,7 @@ pub struct ExportRequest {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Weight of each layer.
-    pub weights: [f32; 3],
+    pub weights: lumenscope_core::superposition::layers::Weights,
     /// Shadow rays a pixel and area emitter.
     pub shadow_rays: u32,
     /// What is written.

@@ -4,6 +4,7 @@ pub mod math;
 pub mod scene;
 
 pub mod irradiance_volume;
+pub mod mirror;
 pub mod radiosity;
 pub mod reference;
 

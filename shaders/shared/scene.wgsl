@@ -30,6 +30,11 @@ struct MaterialInfo {
     emission: vec3f,
     emission_texture: u32,
     double_sided: u32,
+    diffuse_share: f32,
+    metallic: f32,
+    dielectric: f32,
+    // Of the specular lobe; 0 for an ideal mirror, negative for none.
+    alpha: f32,
     padding_0: u32,
     padding_1: u32,
     padding_2: u32,
@@ -142,7 +147,7 @@ fn reflectance_at(surface: Surface) -> vec3f {
     if surface.back && material.double_sided == 0u {
         return vec3f(0.0);
     }
-    return textured(material.reflectance, material.reflectance_texture, surface.uv);
+    return textured(material.reflectance * material.diffuse_share, material.reflectance_texture, surface.uv);
 }
 
 // Twin of `Geometry::emission`.

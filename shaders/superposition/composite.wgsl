@@ -9,7 +9,10 @@ struct Composite {
     false_colour: u32,
     // Whether the shader encodes sRGB; not where the target does.
     encode: u32,
-    padding: u32,
+    layer_count: u32,
+    specular_weights: vec2f,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 struct ShownTriangle {
@@ -70,9 +73,12 @@ fn is_highlighted(p: vec2i) -> bool {
 fn composite(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let p = vec2u(position.xy);
     let pixel = p.y * frame.size.x + p.x;
-    let radiance = layer(pixel, 0u) * settings.weights.x
+    var radiance = layer(pixel, 0u) * settings.weights.x
         + layer(pixel, 1u) * settings.weights.y
         + layer(pixel, 2u) * settings.weights.z;
+    if settings.layer_count > 3u {
+        radiance += layer(pixel, 3u) * settings.specular_weights.x + layer(pixel, 4u) * settings.specular_weights.y;
+    }
     var colour = vec3f(1.0, 0.0, 1.0);
     if is_finite(radiance) {
         colour = display(radiance);

@@ -171,7 +171,7 @@ fn a_glossy_object_in_a_furnace_cannot_be_seen() {
         let camera = solution.scene.camera;
         let glossy = solution.with_gloss(Some(Gloss { order, eye: camera.eye }));
         let (buffer, layers) = render(&glossy, &camera, 48, 36, &settings);
-        let picture = layers.sum([1.0; 3]);
+        let picture = layers.total();
         let geometry = &solution.world.geometry;
         let on_block: Vec<f32> = buffer
             .triangle

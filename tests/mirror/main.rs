@@ -1,3 +1,4 @@
 //! Specular reflection: materials, mirrors, glossy surfaces.
 
 mod brdf;
+mod planar;

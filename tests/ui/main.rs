@@ -36,15 +36,15 @@ fn layers_and_views_follow_their_keys() {
     assert_eq!(window.app().session().scene.as_ref().unwrap().name, "room");
     let whole = window.picture();
     for (key, solo) in [
-        (egui::Key::Num1, [1.0, 0.0, 0.0]),
-        (egui::Key::Num2, [0.0, 1.0, 0.0]),
-        (egui::Key::Num3, [0.0, 0.0, 1.0]),
+        (egui::Key::Num1, [1.0, 0.0, 0.0, 0.0, 0.0]),
+        (egui::Key::Num2, [0.0, 1.0, 0.0, 0.0, 0.0]),
+        (egui::Key::Num3, [0.0, 0.0, 1.0, 0.0, 0.0]),
     ] {
         window.press(key);
         assert_eq!(window.view().weights, solo);
         window.wait_other_picture(&whole);
         window.press(key);
-        assert_eq!(window.view().weights, [1.0; 3]);
+        assert_eq!(window.view().weights, [1.0; 5]);
     }
     window.press(egui::Key::V);
     assert!(window.view().volume.shown);

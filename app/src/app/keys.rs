@@ -43,7 +43,7 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
         out.push(Command::Window(Window::Panels));
     }
     let mut view = session.document.view.clone();
-    for (key, layer) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(Layer::ALL) {
+    for (key, layer) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5].into_iter().zip(Layer::ALL) {
         if with(Modifiers::NONE, key) {
             toggle_solo(&mut view, layer);
         }

@@ -106,7 +106,7 @@ pub fn draw(
     let request = CopiesRequest { copies, volumes: [0, 1].map(|i| Some(volumes[i].clone())) };
     let dressed = request.dress(bare, None)?;
     let (layers, _) = picture(&dressed, options.size, 8, Backend::Cpu, seed)?;
-    let shown = layers.sum([1.0; 3]);
+    let shown = layers.total();
     let [left, right] = [0, 1].map(|i| node_light(&dressed, i));
     let mean = |v: &[f32]| v.iter().map(|e| f64::from(*e)).sum::<f64>() / v.len().max(1) as f64;
     let mut off: Vec<f32> =

@@ -79,7 +79,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let picture_seconds = start_picture.elapsed().as_secs_f64();
     let total_seconds = start.elapsed().as_secs_f64();
 
-    let sum = layers.sum([1.0; 3]);
+    let sum = layers.total();
     let display = auto_display(&sum);
     write_png(&options.out.join("picture.png"), &sum, &display)?;
     write_layers(&options.out.join("layers.exr"), &layers)?;
@@ -181,7 +181,7 @@ pub fn write_png(path: &std::path::Path, picture: &LinearImage, display: &Displa
 /// # Errors
 /// One line naming the file and the cause.
 pub fn write_layers(path: &std::path::Path, layers: &Layers) -> anyhow::Result<()> {
-    let sum = layers.sum([1.0; 3]);
+    let sum = layers.total();
     let mut named: Vec<(&str, &LinearImage)> = vec![("", &sum)];
     named.extend(Layer::ALL.map(|l| (l.name(), layers.get(l))));
     Ok(exr::write_layers(path, &named, "cd/m2, linear Rec. 709")?)

@@ -131,11 +131,14 @@ pub fn write_pictures(
     folder: &Path,
     write: WritePixels,
 ) -> anyhow::Result<()> {
-    let sum = layers.sum([1.0; 3]);
+    let sum = layers.total();
     let display = auto_display(&sum);
     let (width, height) = (sum.width, sum.height);
     write(&folder.join("picture.png"), width, height, &composite::display(&sum, &display))?;
     for layer in Layer::ALL {
+        if layers.get(layer).pixels.iter().all(|p| *p == Vec3::ZERO) {
+            continue;
+        }
         let pixels = composite::display(layers.get(layer), &display);
         write(&folder.join(format!("layer_{}.png", layer.name())), width, height, &pixels)?;
     }

@@ -94,9 +94,9 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     }
     tour.compare_volumes("Ceiling panel")?;
     tour.view(|view| view.views.clear());
-    tour.view(|view| view.weights = [0.0, 0.0, 1.0]);
+    tour.view(|view| view.weights = [0.0, 0.0, 1.0, 0.0, 0.0]);
     tour.photograph("indirect", GRAIN)?;
-    tour.view(|view| view.weights = [1.0; 3]);
+    tour.view(|view| view.weights = View::default().weights);
     let colours = FalseColour { palette: Default::default(), low: 1.0, high: 300.0, logarithmic: true };
     tour.view(|view| view.display.false_colour = Some(colours));
     tour.photograph("false_colour", GRAIN)?;

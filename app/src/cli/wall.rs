@@ -101,7 +101,7 @@ pub fn draw(
     let volume = solution.volume.as_deref().context("the plan built no volume")?;
     let [width, height] = options.size;
     let (layers, _) = picture(solution, options.size, 8, Backend::Cpu, seed)?;
-    let mut shown = layers.sum([1.0; 3]);
+    let mut shown = layers.total();
     let size = glam::UVec2::new(width, height);
     let buffer = GBuffer::new(&solution.world, &camera, size, PassSettings::default().subpixel());
     let before = peak_bytes();

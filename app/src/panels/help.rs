@@ -8,7 +8,7 @@ const KEYS: [(&str, &str); 18] = [
     ("Ctrl+Shift+S", "Save the session as a new file"),
     ("Ctrl+Z", "Undo"),
     ("Ctrl+Shift+Z, Ctrl+Y", "Redo"),
-    ("1, 2, 3", "Show emitted, direct, indirect light alone; again for all"),
+    ("1 to 5", "Show emitted, direct, indirect, mirror, glossy light alone; again for all"),
     ("R", "Picture, reference, difference in turn"),
     ("V", "Volume of irradiance spheres on and off"),
     ("F", "Frame the selection, or everything"),

@@ -11,7 +11,7 @@ use lumenscope_core::{
     math::false_colour::{FalseColour, Palette},
     superposition::{
         composite::{DirectQuality, ToneCurve},
-        layers::Layer,
+        layers::{COUNT, Layer},
     },
 };
 
@@ -39,6 +39,16 @@ fn explain(layer: Layer) -> (&'static str, &'static str) {
             "Indirect",
             "Light that reached the surface after at least one bounce.\n\n\
              L = ρ/π · E_i,  E_i from radiosity, or for moving objects from the irradiance volume, cd/m²",
+        ),
+        Layer::Mirror => (
+            "Mirror",
+            "Light of any kind that planar mirrors show, by the Fresnel equation.\n\n\
+             L = F(θ) L_i(x, mirrored ω), cd/m²",
+        ),
+        Layer::Glossy => (
+            "Glossy",
+            "Light of any kind that polished surfaces scatter about the mirrored direction.\n\n\
+             L = ∫ f(ω, ω') L_i(ω') cos θ' dω', cd/m²",
         ),
     }
 }
@@ -75,8 +85,11 @@ pub fn is_solo(view: &View, layer: Layer) -> bool {
 
 /// Shows one layer alone, or all when it already is.
 pub fn toggle_solo(view: &mut View, layer: Layer) {
-    view.weights =
-        if is_solo(view, layer) { [1.0; 3] } else { std::array::from_fn(|i| f32::from(i == layer as usize)) };
+    view.weights = if is_solo(view, layer) {
+        [1.0; COUNT]
+    } else {
+        std::array::from_fn(|i| f32::from(i == layer as usize))
+    };
 }
 
 fn display(ui: &mut Ui, view: &mut View) {

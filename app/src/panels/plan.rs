@@ -4,6 +4,7 @@ use crate::{command::Command, session::Session};
 use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 use lumenscope_core::{
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
+    mirror::MirrorSettings,
     radiosity::{RadiositySettings, surface_map::ElementLayout},
     scene::file::PlanOverrides,
     superposition::plan::{Component, ExpectedError, PlanLine},
@@ -160,6 +161,14 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
                 1..=1024,
             );
         }
+        Component::Mirror => count(
+            ui,
+            "Depth",
+            "Mirrors that light is followed through on its way to the eye; 0 shows none",
+            &mut over.mirror_depth,
+            MirrorSettings::default().depth,
+            0..=16,
+        ),
         Component::IrradianceVolume => {
             let usual = VolumeSettings::default();
             built(ui, &mut over.volume);

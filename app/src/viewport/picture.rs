@@ -15,6 +15,7 @@ use lumenscope_core::{
     superposition::{
         self, PassSettings,
         composite::{self, DirectQuality, Display},
+        layers::Weights,
     },
     transport::LightTransportSolution,
 };
@@ -166,7 +167,7 @@ impl Picture {
 /// The display of a view with its exposure settled: metered from the picture where it follows it.
 #[derive(Default)]
 pub struct Meter {
-    key: Option<(Same<LightTransportSolution>, Camera, [f32; 3])>,
+    key: Option<(Same<LightTransportSolution>, Camera, Weights)>,
     ev100: Option<f32>,
 }
 
@@ -189,7 +190,7 @@ impl Meter {
 pub fn metered(
     solution: &LightTransportSolution,
     camera: &Camera,
-    weights: [f32; 3],
+    weights: Weights,
     aspect: f32,
 ) -> Option<f32> {
     const HEIGHT: u32 = 27;

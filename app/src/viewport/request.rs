@@ -9,7 +9,10 @@ use lumenscope_core::{
         image::LinearImage,
     },
     scene::camera::Camera,
-    superposition::composite::{DirectQuality, Display},
+    superposition::{
+        composite::{DirectQuality, Display},
+        layers::Weights,
+    },
     transport::LightTransportSolution,
 };
 use std::sync::Arc;
@@ -29,7 +32,7 @@ pub struct Request {
     /// Direct light at rest.
     pub direct: DirectQuality,
     /// Weight of each layer.
-    pub weights: [f32; 3],
+    pub weights: Weights,
     /// From radiance to display, exposure settled.
     pub display: Display,
     /// What is drawn over it.
@@ -68,7 +71,7 @@ pub struct RenderKey {
 /// What bringing a frame to the display depends on.
 #[derive(Clone, PartialEq)]
 pub struct DisplayKey {
-    weights: [f32; 3],
+    weights: Weights,
     display: Display,
     inspection: Same<InspectionScene>,
     difference: bool,

@@ -5,6 +5,7 @@ use crate::{
     scene::camera::Camera,
     superposition::{
         composite::{DirectQuality, Display, ToneCurve, white_luminance},
+        layers::{COUNT, Weights},
         overlay,
     },
 };
@@ -19,7 +20,7 @@ pub struct FrameSettings {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Weight of each layer, in the order of [`crate::superposition::layers::Layer::ALL`].
-    pub weights: [f32; 3],
+    pub weights: Weights,
     /// From radiance to display.
     pub display: Display,
     /// How direct light is evaluated.
@@ -40,7 +41,7 @@ impl Default for FrameSettings {
         Self {
             camera: Camera::default(),
             size: [640, 360],
-            weights: [1.0; 3],
+            weights: [1.0; COUNT],
             display: Display::default(),
             direct: DirectQuality::PerPixel(4),
             frame_index: 0,
@@ -133,7 +134,7 @@ impl Frame {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Composite {
-    /// Weight of each layer.
+    /// Weights of emitted, direct and indirect light.
     pub weights: Vec3,
     /// 1 / luminance that becomes display 1, m²/cd.
     pub exposure: f32,
@@ -143,15 +144,19 @@ pub struct Composite {
     pub false_colour: u32,
     /// Whether the shader encodes sRGB.
     pub encode: u32,
+    /// Layers there are: three where nothing is specular.
+    pub layer_count: u32,
+    /// Weights of mirrored and glossy light.
+    pub specular_weights: Vec2,
     /// Nothing.
-    pub padding: u32,
+    pub padding: [u32; 2],
 }
 
 impl Composite {
     /// The uniform of a display; `encode` where the target does not encode sRGB itself.
-    pub fn new(weights: [f32; 3], display: &Display, encode: bool) -> Self {
+    pub fn new(weights: Weights, display: &Display, encode: bool, layer_count: u32) -> Self {
         Self {
-            weights: weights.into(),
+            weights: Vec3::from_slice(&weights),
             exposure: 1.0 / white_luminance(display.ev100),
             tone: match display.tone {
                 ToneCurve::Linear => 0,
@@ -159,7 +164,9 @@ impl Composite {
             },
             false_colour: display.false_colour.is_some().into(),
             encode: encode.into(),
-            padding: 0,
+            layer_count,
+            specular_weights: Vec2::new(weights[3], weights[4]),
+            padding: [0; 2],
         }
     }
 }

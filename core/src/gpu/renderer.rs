@@ -76,7 +76,7 @@ impl GpuRenderer {
         let frame = uniform::<Frame>(device, "frame");
         let composite_settings = uniform::<Composite>(device, "composite");
         let false_colour = uniform::<FalseColourTable>(device, "false colour");
-        let targets = Targets::new(device, output_format, [1, 1]);
+        let targets = Targets::new(device, output_format, [1, 1], false);
         let [visibility_group, shade_group, composite_group] = groups(
             device,
             [&visibility_layout, &shade_layout, &composite_layout],
@@ -174,9 +174,10 @@ impl GpuRenderer {
         encoder: &mut wgpu::CommandEncoder,
         settings: &FrameSettings,
     ) {
-        let size = Targets::fitting(device, settings.size);
-        if size != self.targets.size {
-            self.targets = Targets::new(device, self.format, size);
+        let specular = self.scene.specular();
+        let size = Targets::fitting(device, settings.size, specular);
+        if size != self.targets.size || specular != self.targets.specular() {
+            self.targets = Targets::new(device, self.format, size, specular);
             self.accumulated = 0;
             self.bind(device);
         }
@@ -187,7 +188,12 @@ impl GpuRenderer {
         let frame = Frame::new(&settings, self.scene.counts, self.accumulated);
         self.accumulated += 1;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
-        let composite = Composite::new(settings.weights, &settings.display, !self.format.is_srgb());
+        let composite = Composite::new(
+            settings.weights,
+            &settings.display,
+            !self.format.is_srgb(),
+            self.targets.layer_count,
+        );
         queue.write_buffer(&self.composite_settings, 0, bytemuck::bytes_of(&composite));
         if let Some(colour) = &settings.display.false_colour {
             let table = FalseColourTable::new(colour);
@@ -227,10 +233,11 @@ impl GpuRenderer {
             images: std::array::from_fn(|i| LinearImage {
                 width,
                 height,
-                pixels: values[3 * pixels * i..3 * pixels * (i + 1)]
-                    .chunks_exact(3)
-                    .map(Vec3::from_slice)
-                    .collect(),
+                pixels: if i < self.targets.layer_count as usize {
+                    values[3 * pixels * i..][..3 * pixels].chunks_exact(3).map(Vec3::from_slice).collect()
+                } else {
+                    vec![Vec3::ZERO; pixels]
+                },
             }),
         })
     }

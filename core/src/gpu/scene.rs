@@ -83,6 +83,11 @@ impl SceneTables {
         self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32)
     }
 
+    /// Whether anything has a specular lobe.
+    pub(super) fn specular(&self) -> bool {
+        self.last.as_ref().is_some_and(|s| s.world.geometry.is_specular())
+    }
+
     /// Material and object of each triangle.
     pub(super) fn triangles(&self) -> &wgpu::Buffer {
         self.storage[Table::Triangles as usize].buffer()

@@ -60,7 +60,7 @@ pub struct ObjectInfo {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct MaterialInfo {
-    /// Diffuse reflectance.
+    /// Base colour.
     pub reflectance: Vec3,
     /// Its texture, or [`NONE`].
     pub reflectance_texture: u32,
@@ -70,6 +70,14 @@ pub struct MaterialInfo {
     pub emission_texture: u32,
     /// Whether the back is lit.
     pub double_sided: u32,
+    /// Share of the base colour that is Lambertian reflectance.
+    pub diffuse_share: f32,
+    /// Share of metal.
+    pub metallic: f32,
+    /// Normal reflectance of the coat of what is no metal.
+    pub dielectric: f32,
+    /// Width α of the specular lobe, 0 for an ideal mirror, negative for none.
+    pub alpha: f32,
     /// Nothing.
     pub padding: [u32; 3],
 }
@@ -221,6 +229,10 @@ pub fn materials(geometry: &Geometry) -> Vec<MaterialInfo> {
             emission: m.emission,
             emission_texture: index(m.emission_texture),
             double_sided: m.double_sided.into(),
+            diffuse_share: m.diffuse_share(),
+            metallic: m.metallic.clamp(0.0, 1.0),
+            dielectric: m.coat_reflectance(),
+            alpha: m.alpha().unwrap_or(-1.0),
             padding: [0; 3],
         })
         .collect()

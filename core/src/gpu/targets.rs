@@ -5,13 +5,17 @@ pub(super) const TRIANGLE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32
 /// Format of depth, which is near / distance: larger is nearer.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Bytes of all layers of one pixel: three of three floats.
-const LAYER_BYTES: u64 = 36;
+/// Floats a pixel: three layers of three, or five and the state of a mirrored ray, which is `STATE` floats of
+/// `shaders/mirror/follow.wgsl`.
+const PLAIN_FLOATS: u64 = 9;
+const SPECULAR_FLOATS: u64 = 15 + 8;
 
 /// Textures and buffers of one size.
 pub(super) struct Targets {
     /// Width and height in pixels.
     pub(super) size: [u32; 2],
+    /// Layers: three, or five where something is specular.
+    pub(super) layer_count: u32,
     /// Triangle numbers.
     pub(super) triangles: wgpu::Texture,
     /// View of them.
@@ -28,7 +32,12 @@ pub(super) struct Targets {
 
 impl Targets {
     /// Targets of a size.
-    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat, size: [u32; 2]) -> Self {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+        specular: bool,
+    ) -> Self {
         use wgpu::TextureUsages as Usage;
         let texture = |label, format, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -48,6 +57,7 @@ impl Targets {
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
         Self {
             size,
+            layer_count: if specular { 5 } else { 3 },
             triangles_view: view(&triangles),
             depth_view: view(&depth),
             output_view: view(&output),
@@ -55,7 +65,7 @@ impl Targets {
             output,
             layers: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("layers"),
-                size: LAYER_BYTES * pixels(size),
+                size: pixel_bytes(specular) * pixels(size),
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
@@ -63,11 +73,11 @@ impl Targets {
     }
 
     /// The wanted size, made to fit the device: at least 1×1, and small enough for the layers' buffer.
-    pub(super) fn fitting(device: &wgpu::Device, wanted: [u32; 2]) -> [u32; 2] {
+    pub(super) fn fitting(device: &wgpu::Device, wanted: [u32; 2], specular: bool) -> [u32; 2] {
         let limits = device.limits();
         let [mut width, mut height] = wanted.map(|n| n.clamp(1, limits.max_texture_dimension_2d));
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        while LAYER_BYTES * pixels([width, height]) > most {
+        while pixel_bytes(specular) * pixels([width, height]) > most {
             (width, height) = (width.div_ceil(2), height.div_ceil(2));
         }
         [width, height]
@@ -75,8 +85,17 @@ impl Targets {
 
     /// Bytes of the layers.
     pub(super) fn layer_bytes(&self) -> u64 {
-        LAYER_BYTES * pixels(self.size)
+        12 * u64::from(self.layer_count) * pixels(self.size)
     }
+
+    /// Whether they have room for what is specular.
+    pub(super) fn specular(&self) -> bool {
+        self.layer_count > 3
+    }
+}
+
+fn pixel_bytes(specular: bool) -> u64 {
+    4 * if specular { SPECULAR_FLOATS } else { PLAIN_FLOATS }
 }
 
 fn pixels([width, height]: [u32; 2]) -> u64 {

@@ -125,6 +125,8 @@ pub struct PlanOverrides {
     pub shadow_rays: Option<u32>,
     /// Shadow rays an area emitter and pixel of pictures written to files.
     pub direct_samples: Option<u32>,
+    /// Mirrors that light is followed through on its way to the eye; 0 shows none.
+    pub mirror_depth: Option<u32>,
     /// Whether an irradiance volume is built.
     pub volume: Option<bool>,
     /// Samples along each axis of the volume's first level.

@@ -1,6 +1,6 @@
 //! Progressive refinement: the mean of frames that differ in their random numbers.
 
-use super::layers::Layers;
+use super::layers::{COUNT, Layers};
 use crate::math::image::LinearImage;
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use glam::DVec3;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Accumulator {
     size: [u32; 2],
-    sums: [Vec<DVec3>; 3],
+    sums: [Vec<DVec3>; COUNT],
     frames: u32,
 }
 

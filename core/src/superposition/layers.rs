@@ -11,11 +11,21 @@ pub enum Layer {
     Direct,
     /// Light that reached the surface after at least one bounce.
     Indirect,
+    /// Light of whatever kind that the surface reflects as an ideal mirror.
+    Mirror,
+    /// Light of whatever kind that it reflects into a wider lobe.
+    Glossy,
 }
+
+/// Number of layers.
+pub const COUNT: usize = 5;
+
+/// One factor a layer, in the order of [`Layer::ALL`].
+pub type Weights = [f32; COUNT];
 
 impl Layer {
     /// Every layer.
-    pub const ALL: [Self; 3] = [Self::Emitted, Self::Direct, Self::Indirect];
+    pub const ALL: [Self; COUNT] = [Self::Emitted, Self::Direct, Self::Indirect, Self::Mirror, Self::Glossy];
 
     /// Name in files, on the command line and on screen.
     pub fn name(self) -> &'static str {
@@ -23,6 +33,8 @@ impl Layer {
             Self::Emitted => "emitted",
             Self::Direct => "direct",
             Self::Indirect => "indirect",
+            Self::Mirror => "mirror",
+            Self::Glossy => "glossy",
         }
     }
 }
@@ -31,7 +43,7 @@ impl Layer {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
     /// Images in the order of [`Layer::ALL`].
-    pub images: [LinearImage; 3],
+    pub images: [LinearImage; COUNT],
 }
 
 impl Layers {
@@ -45,8 +57,13 @@ impl Layers {
         &self.images[layer as usize]
     }
 
-    /// Weighted sum: the picture, cd/m².
-    pub fn sum(&self, weights: [f32; 3]) -> LinearImage {
+    /// The sum: the picture, cd/m².
+    pub fn total(&self) -> LinearImage {
+        self.sum([1.0; COUNT])
+    }
+
+    /// Weighted sum, cd/m².
+    pub fn sum(&self, weights: Weights) -> LinearImage {
         let mut picture = LinearImage::new(self.images[0].width, self.images[0].height);
         for (image, weight) in self.images.iter().zip(weights) {
             for (out, pixel) in picture.pixels.iter_mut().zip(&image.pixels) {

@@ -1,20 +1,27 @@
 //! The layers of one frame on the CPU: the specification of the GPU's shading pass.
 //!
-//! At each pixel the radiance towards the eye is L = Lₑ + ρ/π · (E_direct + E_indirect): emitted,
-//! direct and indirect are the three layers. Direct light is evaluated at every pixel, for crisp
+//! At each pixel the radiance towards the eye is L = Lₑ + ρ/π · (E_direct + E_indirect) + L_specular:
+//! emitted, direct and indirect are the first three layers, and what a specular lobe reflects is one of
+//! the other two, from the room [`mirror`](crate::mirror). Direct light is evaluated at every pixel, for crisp
 //! shadows, or read from the radiosity elements while things move; indirect light is always read.
 
-use super::{composite::DirectQuality, gbuffer::GBuffer, layers::Layers, moved::MovedLight};
+use super::{
+    composite::DirectQuality,
+    gbuffer::GBuffer,
+    layers::{COUNT, Layer, Layers},
+    moved::MovedLight,
+};
 use crate::{
     math::{
         part::Part,
         random::{hash2, r2_point},
     },
-    scene::{
-        camera::Camera,
-        direct::{Receiver, total_irradiance},
-        geometry::Surface,
+    mirror::{
+        pass::{MirrorImage, mirror_image},
+        reflectors::{NO_REFLECTOR, Reflectors},
     },
+    reference::path::receiver_of,
+    scene::{camera::Camera, direct::total_irradiance, geometry::Surface},
     transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
@@ -51,7 +58,7 @@ impl PassSettings {
     }
 }
 
-/// Renders one frame: what each pixel sees, and the three layers in cd/m².
+/// Renders one frame: what each pixel sees, and the layers in cd/m².
 ///
 /// The same arguments give the same bytes at any thread count.
 pub fn render(
@@ -63,14 +70,26 @@ pub fn render(
 ) -> (GBuffer, Layers) {
     use rayon::prelude::*;
     let buffer = GBuffer::new(&solution.world, camera, UVec2::new(width, height), settings.subpixel());
-    let moved = MovedLight::new(solution, settings.direct == DirectQuality::Elements);
-    let shaded: Vec<[Vec3; 3]> = (0..buffer.triangle.len())
+    let shading = Shading::new(solution, settings);
+    let mut shaded: Vec<[Vec3; COUNT]> = (0..buffer.triangle.len())
         .into_par_iter()
         .map(|pixel| match buffer.surface(&solution.world, camera, pixel) {
-            Some(surface) => shade(solution, &moved, &surface, settings, pixel as u32),
-            None => [Vec3::ZERO; 3],
+            Some(surface) => {
+                let wo = (camera.eye - surface.position).normalize_or(surface.normal);
+                let seen = shading.terms(&surface, settings.scramble(pixel as u32), wo);
+                let [mirror, glossy] =
+                    if seen.is_mirror { [seen.wide, Vec3::ZERO] } else { [Vec3::ZERO, seen.wide] };
+                [seen.emitted, seen.direct, seen.indirect, mirror, glossy]
+            }
+            None => [Vec3::ZERO; COUNT],
         })
         .collect();
+    if shading.specular {
+        let reflectors = Reflectors::new(&solution.world.geometry);
+        if let Some(image) = mirror_image(&shading, &reflectors, &buffer, camera, settings) {
+            reflect(&image, &shading, &buffer, camera, &mut shaded);
+        }
+    }
     let mut layers = Layers::new(width, height);
     for (i, image) in layers.images.iter_mut().enumerate() {
         image.pixels = shaded.iter().map(|p| p[i]).collect();
@@ -78,38 +97,102 @@ pub fn render(
     (buffer, layers)
 }
 
-/// Radiance of a surface towards the eye, layer by layer, cd/m².
-fn shade(
-    solution: &LightTransportSolution,
-    moved: &MovedLight,
-    surface: &Surface,
-    settings: &PassSettings,
-    pixel: u32,
-) -> [Vec3; 3] {
-    let geometry = &solution.world.geometry;
-    let emitted = geometry.emission(surface);
-    let reflectance = geometry.reflectance(surface);
-    if reflectance == Vec3::ZERO {
-        return [emitted, Vec3::ZERO, Vec3::ZERO];
+/// Puts what arrives at flat reflectors into their layers: L = F(θ) Lᵢ.
+fn reflect(
+    image: &MirrorImage,
+    shading: &Shading,
+    buffer: &GBuffer,
+    camera: &Camera,
+    shaded: &mut [[Vec3; COUNT]],
+) {
+    use rayon::prelude::*;
+    let world = &shading.solution.world;
+    shaded.par_iter_mut().enumerate().filter(|(p, _)| image.reflector[*p] != NO_REFLECTOR).for_each(
+        |(pixel, out)| {
+            let Some(surface) = buffer.surface(world, camera, pixel) else { return };
+            let Some(specular) = world.geometry.brdf(&surface).specular else { return };
+            let wo = (camera.eye - surface.position).normalize_or(surface.normal);
+            let value = specular.reflectance(wo.dot(surface.geometric_normal)) * image.radiance[pixel];
+            let layer = if specular.is_mirror() { Layer::Mirror } else { Layer::Glossy };
+            out[layer as usize] = value;
+        },
+    );
+}
+
+/// A solution with what shading it needs, for one frame.
+pub struct Shading<'a> {
+    /// The light.
+    pub solution: &'a LightTransportSolution,
+    /// Whether anything in it has a specular lobe.
+    pub specular: bool,
+    moved: MovedLight,
+    settings: PassSettings,
+}
+
+/// Radiance of a surface towards a direction, term by term, cd/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeenTerms {
+    /// Emitted.
+    pub emitted: Vec3,
+    /// Reflected diffusely, straight from the emitters.
+    pub direct: Vec3,
+    /// Reflected diffusely, after a bounce.
+    pub indirect: Vec3,
+    /// Reflected by the specular lobe as if it were as wide as the hemisphere: F(θ) E / π. What stands in
+    /// where nothing finer is known of it.
+    pub wide: Vec3,
+    /// Whether that lobe is an ideal mirror's.
+    pub is_mirror: bool,
+}
+
+impl SeenTerms {
+    /// All but the specular lobe.
+    pub fn diffuse(&self) -> Vec3 {
+        self.emitted + self.direct + self.indirect
     }
-    let stored = |part: Part| {
-        moved.irradiance(solution, surface.triangle, surface.barycentric, surface.back, part).unwrap_or_else(
-            || solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part),
-        )
-    };
-    let object = geometry.object[surface.triangle as usize];
-    let direct = match settings.direct {
-        DirectQuality::Elements => stored(Part::Direct),
-        DirectQuality::PerPixel(_) if moved.stored_direct.contains(&object) => stored(Part::Direct),
-        DirectQuality::PerPixel(samples) => {
-            let receiver = Receiver {
-                position: surface.position,
-                normal: surface.normal,
-                geometric_normal: surface.geometric_normal,
-            };
-            total_irradiance(&solution.world, &receiver, samples, settings.scramble(pixel))
+}
+
+impl<'a> Shading<'a> {
+    /// Prepares a solution.
+    pub fn new(solution: &'a LightTransportSolution, settings: &PassSettings) -> Self {
+        let specular = solution.world.geometry.is_specular();
+        let stored_direct = settings.direct == DirectQuality::Elements || specular;
+        Self { solution, specular, moved: MovedLight::new(solution, stored_direct), settings: *settings }
+    }
+
+    /// Radiance of a surface towards `wo`.
+    pub fn terms(&self, surface: &Surface, scramble: u32, wo: Vec3) -> SeenTerms {
+        let (solution, settings) = (self.solution, &self.settings);
+        let geometry = &solution.world.geometry;
+        let emitted = geometry.emission(surface);
+        let brdf = geometry.brdf(surface);
+        if brdf.is_black() {
+            return SeenTerms { emitted, ..SeenTerms::default() };
         }
-    };
-    let brdf = reflectance * FRAC_1_PI;
-    [emitted, brdf * direct, brdf * stored(Part::Indirect)]
+        let stored = |part: Part| {
+            self.moved
+                .irradiance(solution, surface.triangle, surface.barycentric, surface.back, part)
+                .unwrap_or_else(|| {
+                    solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
+                })
+        };
+        let (wide, is_mirror) = brdf.specular.map_or((Vec3::ZERO, false), |s| {
+            let all = stored(Part::Direct) + stored(Part::Indirect);
+            (s.reflectance(wo.dot(surface.normal)) * FRAC_1_PI * all, s.is_mirror())
+        });
+        if brdf.diffuse == Vec3::ZERO {
+            return SeenTerms { emitted, wide, is_mirror, ..SeenTerms::default() };
+        }
+        let share = brdf.diffuse * FRAC_1_PI;
+        let object = geometry.object[surface.triangle as usize];
+        let direct = match settings.direct {
+            DirectQuality::Elements => stored(Part::Direct),
+            DirectQuality::PerPixel(_) if self.moved.stored_direct.contains(&object) => stored(Part::Direct),
+            DirectQuality::PerPixel(samples) => {
+                total_irradiance(&solution.world, &receiver_of(surface), samples, scramble)
+            }
+        };
+        let indirect = share * stored(Part::Indirect);
+        SeenTerms { emitted, direct: share * direct, indirect, wide, is_mirror }
+    }
 }

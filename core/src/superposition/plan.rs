@@ -12,6 +12,7 @@ pub use component::{Component, ExpectedError, PlanLine};
 
 use crate::{
     irradiance_volume::VolumeSettings,
+    mirror::{MOST_VIEWS, MirrorSettings, reflectors::Reflectors},
     radiosity::{RadiositySettings, surface_map::ElementLayout},
     scene::{Scene, emitters::Emitter, file::PlanOverrides, world::World},
     transport::live::SolveSettings,
@@ -96,6 +97,7 @@ impl Plan {
             needs.direct(direct_samples),
             needs.radiosity(&radiosity),
             needs.volume(volume.as_ref()),
+            needs.mirror(),
         ];
         Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
     }
@@ -179,6 +181,34 @@ impl Needs<'_> {
             error_basis: error_basis.into(),
             expected_seconds: elements * f64::from(settings.gather_rays) / RAYS_PER_SECOND,
             ..self.line(Component::Radiosity, true, words, "surfaces reflect diffusely".into())
+        }
+    }
+
+    fn mirror(&self) -> PlanLine {
+        let reflectors = Reflectors::new(&self.world.geometry);
+        let (flat, curved) = (reflectors.list.len(), reflectors.curved);
+        let depth = MirrorSettings::of(self.over).depth;
+        let reason = match (flat, curved) {
+            (0, 0) => "nothing is polished: no mirrored view".into(),
+            (0, _) => "nothing polished is flat: curved things reflect as if dull".into(),
+            (_, 0) => format!("{} of polished material", counted(flat, "flat reflector")),
+            _ => format!("{}; {curved} curved triangles reflect as if dull", counted(flat, "flat reflector")),
+        };
+        let used = flat > 0 && depth > 0;
+        let words = if used {
+            format!("{} deep, at most {MOST_VIEWS} views", counted(depth as usize, "mirror"))
+        } else {
+            String::new()
+        };
+        let (expected_error, error_basis) = match (curved, used) {
+            (0, true) => (ExpectedError::Exact, "the same passes from a mirrored eye, to the depth stated"),
+            (0, false) => (ExpectedError::Exact, "nothing is sampled"),
+            _ => (ExpectedError::Unknown, "not measured for what stands in on curved surfaces"),
+        };
+        PlanLine {
+            expected_error,
+            error_basis: error_basis.into(),
+            ..self.line(Component::Mirror, used, words, reason)
         }
     }
 

@@ -151,9 +151,8 @@ fn clean_materials(path: &Path, model: &mut Model) -> Result<(), SceneError> {
             return Err(SceneError::value(path, owner(), "emission in cd/m²", material.emission));
         }
         let shares = [material.roughness, material.metallic];
-        if !shares.iter().all(|s| (0.0..=1.0).contains(s))
-            || !(material.ior >= 1.0 && material.ior.is_finite())
-        {
+        let known = shares.iter().all(|s| (0.0..=1.0).contains(s)) && material.ior >= 1.0;
+        if !(known && material.ior.is_finite()) {
             model.notes.add("roughness, metallic factor or index of refraction out of range", &material.name);
             let within = |s: f32, otherwise: f32| if s.is_nan() { otherwise } else { s.clamp(0.0, 1.0) };
             material.roughness = within(material.roughness, 1.0);

@@ -14,11 +14,14 @@ pub enum Component {
     Radiosity,
     /// Light in the air.
     IrradianceVolume,
+    /// What flat polished surfaces show.
+    Mirror,
 }
 
 impl Component {
     /// Every component, in the order of the plan.
-    pub const ALL: [Self; 4] = [Self::Emitted, Self::Direct, Self::Radiosity, Self::IrradianceVolume];
+    pub const ALL: [Self; 5] =
+        [Self::Emitted, Self::Direct, Self::Radiosity, Self::IrradianceVolume, Self::Mirror];
 
     /// Name, that of the stage in a solution's provenance too.
     pub fn name(self) -> &'static str {
@@ -27,6 +30,7 @@ impl Component {
             Self::Direct => "direct",
             Self::Radiosity => "radiosity",
             Self::IrradianceVolume => "irradiance volume",
+            Self::Mirror => "mirror",
         }
     }
 
@@ -44,6 +48,7 @@ impl Component {
             Self::Radiosity => {
                 PlanOverrides { element_spacing_m: None, gather_rays: None, shadow_rays: None, ..over }
             }
+            Self::Mirror => PlanOverrides { mirror_depth: None, ..over },
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,
                 volume_samples: None,

@@ -1,0 +1,47 @@
+//! Mirrors: flat surfaces that show the scene from a mirrored eye (Bastos 1999, ch. 6).
+//!
+//! A flat mirror is a window to the scene seen from the eye's mirror image. So every flat piece of a
+//! polished material is a [`reflectors`] entry, the ones that can be seen, by way of each other too, get a
+//! mirrored view ([`views`]), and the same passes that make the picture make what is seen in each, under
+//! the mask of the reflector and cut off at its plane ([`pass`]). What comes back is the radiance that
+//! arrives along the mirrored direction at each pixel, with its distance: times the Fresnel reflectance
+//! it is the layer `mirror`; convolved first, the layer `glossy`.
+//!
+//! Not rays alone, although on the CPU a mirrored view is a bundle of reflected rays: a raster pass shows
+//! the whole of a mirror at the price of one more picture, on any graphics card, and what has no
+//! reflector in sight pays nothing.
+//!
+//! Limits. Curved polished surfaces have no mirrored view: they reflect as if their lobe were as wide as
+//! the hemisphere, and so do reflectors beyond the depth of recursion. Lamps without a surface are not
+//! seen in mirrors. What mirrors throw onto dull surfaces is left out of radiosity and direct light: beside a
+//! mirror that faces a lamp they are too dark, which the path tracer shows.
+
+use crate::scene::file::PlanOverrides;
+
+pub mod pass;
+pub mod reflectors;
+pub mod views;
+
+/// Mirrored views that one frame shows, at most: the largest first at each depth.
+pub const MOST_VIEWS: usize = 64;
+
+/// How mirrors are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MirrorSettings {
+    /// Mirrors that light is followed through on its way to the eye; 0 shows none.
+    pub depth: u32,
+}
+
+impl Default for MirrorSettings {
+    /// A mirror in a mirror.
+    fn default() -> Self {
+        Self { depth: 2 }
+    }
+}
+
+impl MirrorSettings {
+    /// Those of a scene: its plan's overrides, or the usual ones.
+    pub fn of(plan: &PlanOverrides) -> Self {
+        Self { depth: plan.mirror_depth.unwrap_or(Self::default().depth).min(MOST_VIEWS as u32) }
+    }
+}
