@@ -53,7 +53,7 @@ fn copies_in_a_furnace_shine_alike_from_any_volume() {
     for direct in [DirectQuality::Elements, DirectQuality::PerPixel(4)] {
         let settings = PassSettings { direct, ..PassSettings::default() };
         let (buffer, layers) = render(&dressed, &camera, 64, 48, &settings);
-        let sum = layers.sum([0.0, 1.0, 1.0]);
+        let sum = layers.sum([0.0, 1.0, 1.0, 0.0, 0.0]);
         let mut seen = [0; 2];
         for (i, &t) in buffer.triangle.iter().enumerate().filter(|(_, t)| **t != NO_TRIANGLE) {
             let object = dressed.world.geometry.object[t as usize];
