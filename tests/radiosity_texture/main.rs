@@ -1,6 +1,7 @@
 //! Radiosity as textures: trees, their conversion, and what the three stages of reconstruction keep.
 
 mod convert;
+mod curved;
 mod quadtree;
 mod spot;
 mod stages;

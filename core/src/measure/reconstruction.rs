@@ -8,7 +8,7 @@ use super::{MeasureError, image, perceptual};
 use crate::{
     math::image::LinearImage,
     radiosity::texture::{
-        Quadtree, RadiosityTexture, Shape,
+        RadiosityTexture, Shape,
         convert::Gaps,
         display::Filter,
         hermite::HermiteSurface,
@@ -90,7 +90,6 @@ pub type Way = (String, RadiosityTexture, Filter);
 /// If `samples` is not a power of two plus 1 from 3 to 257.
 pub fn ways(spot: &Spot, samples: u32) -> Vec<Way> {
     assert!(is_sampling(samples), "{samples} samples a side");
-    let tree = Quadtree::full(Shape::Quadrilateral, (samples - 1).ilog2());
     let last = (samples - 1) as f32;
     let texels: Vec<Option<Vec3>> = (0..samples * samples)
         .map(|i| Some(spot.irradiance(UVec2::new(i % samples, i / samples).as_vec2() / last)))
@@ -100,7 +99,7 @@ pub fn ways(spot: &Spot, samples: u32) -> Vec<Way> {
         height: samples,
         pixels: texels.iter().copied().flatten().collect(),
     });
-    let surface = HermiteSurface::new(&tree, &Gaps { side: samples, texels });
+    let surface = HermiteSurface::new(Shape::Quadrilateral, &Gaps { side: samples, texels });
     let doubled = surface.resampled(2 * (samples - 1));
     let side = doubled.image.width;
     let mut ways = vec![

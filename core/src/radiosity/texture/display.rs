@@ -22,7 +22,7 @@ pub enum Filter {
 impl RadiosityTexture {
     /// Value at a point of the unit square.
     pub fn sample(&self, uv: Vec2, filter: Filter) -> Vec3 {
-        let p = (uv - Vec2::splat(self.first)) / self.step;
+        let p = (uv - self.first) / self.step;
         match filter {
             Filter::Nearest => {
                 let nearest = (p + Vec2::splat(0.5)).floor();

@@ -17,7 +17,7 @@
 //! Not quasi-interpolating B-splines: they are smoother, but do not keep the samples. Limit: beside a step
 //! the function still overshoots upwards.
 
-use super::{Quadtree, RadiosityTexture, Shape, convert::Gaps, triangle::continue_beyond_diagonal};
+use super::{RadiosityTexture, Shape, convert::Gaps, triangle::continue_beyond_diagonal};
 use crate::math::image::LinearImage;
 use glam::{Vec2, Vec3};
 
@@ -38,15 +38,15 @@ struct Vertex {
 }
 
 impl HermiteSurface {
-    /// The function through `samples`, one at every corner of a leaf of `tree`, as
+    /// The function through `samples` at the corners of the leaves of a tree over `shape`, as
     /// [`super::convert::VertexSums::average`] gives them.
     ///
     /// # Panics
-    /// If the samples are another tree's or a corner of the root is open.
-    pub fn new(tree: &Quadtree, samples: &Gaps) -> Self {
-        let height = tree.height();
-        assert_eq!(samples.side, (1 << height) + 1, "the samples of another tree");
-        let triangle = tree.shape() == Shape::Triangle;
+    /// If the samples are no lattice of a tree's level or a corner of the root is open.
+    pub fn new(shape: Shape, samples: &Gaps) -> Self {
+        let height = (samples.side - 1).ilog2();
+        assert_eq!(samples.side, (1 << height) + 1, "not the samples of a tree");
+        let triangle = shape == Shape::Triangle;
         let mut above: Option<Self> = None;
         for level in 0..=height {
             let (cells, span) = (1usize << level, 1usize << (height - level));

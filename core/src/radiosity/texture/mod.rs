@@ -9,32 +9,37 @@
 //! 4. [`prefilter`]: a Gaussian that takes the creases that bilinear display would show (stage 2);
 //! 5. [`display`]: bilinear or bicubic lookup (stage 3).
 //!
+//! [`adapt`] grows a tree where what is sampled asks for it, over any surface with parameters u and v;
+//! [`sphere`] puts the six patches of a sphere into one latitude–longitude texture.
+//!
 //! The quantity is irradiance or radiosity in lx, per channel; nothing here depends on which.
 //!
 //! Limits: a texture is as fine everywhere as the tree is at its finest, and light that jumps inside a texel
 //! is blurred over it.
 
+pub mod adapt;
 pub mod convert;
 pub mod display;
 pub mod hermite;
 pub mod prefilter;
 mod quadtree;
+pub mod sphere;
 pub mod triangle;
 
 pub use quadtree::{Cell, Quadtree, Shape};
 
 use crate::math::image::LinearImage;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A texture and where its texels lie on the unit square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiosityTexture {
     /// Texel (i, j) is column i, row j; lx.
     pub image: LinearImage,
-    /// Coordinate of the first texel along u and v.
-    pub first: f32,
-    /// From a texel to the next along u and v.
-    pub step: f32,
+    /// Coordinates of the first texel.
+    pub first: Vec2,
+    /// From a texel to the next along u and along v.
+    pub step: Vec2,
     /// What lies beyond the outermost texels.
     pub border: Border,
 }
@@ -56,8 +61,8 @@ impl RadiosityTexture {
     /// If the image is not square or has fewer than 2 × 2 texels.
     pub fn at_vertices(image: LinearImage) -> Self {
         assert!(image.width == image.height && image.width > 1, "{} x {}", image.width, image.height);
-        let step = 1.0 / (image.width - 1) as f32;
-        Self { image, first: 0.0, step, border: Border::Clamp }
+        let step = Vec2::splat(1.0 / (image.width - 1) as f32);
+        Self { image, first: Vec2::ZERO, step, border: Border::Clamp }
     }
 
     /// A square texture whose texels are the middles of equal cells of the unit square: one texel an element.
@@ -66,7 +71,7 @@ impl RadiosityTexture {
     /// If the image is not square or is empty.
     pub fn at_centres(image: LinearImage) -> Self {
         assert!(image.width == image.height && image.width > 0, "{} x {}", image.width, image.height);
-        let step = 1.0 / image.width as f32;
+        let step = Vec2::splat(1.0 / image.width as f32);
         Self { image, first: 0.5 * step, step, border: Border::Clamp }
     }
 

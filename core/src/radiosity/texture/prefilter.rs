@@ -9,24 +9,27 @@
 //! stays. Between the widths it mixes, which mixes their variances too; weights sum
 //! to 1 at every texel, so a constant stays constant.
 
-use super::RadiosityTexture;
+use super::{Border, RadiosityTexture};
 use crate::math::{colour::luminance, image::LinearImage};
 use glam::Vec3;
 
 /// Widest Gaussian, texels.
 pub const WIDEST: u32 = 6;
 
-/// A texture through a Gaussian of `width` × `width` texels, 1 to [`WIDEST`]; 1 leaves it as it is.
+/// A texture through a Gaussian of `width` × `width` texels, 1 to [`WIDEST`]; 1 leaves it as it is. The poles of a
+/// sphere stay one value each.
 ///
 /// # Panics
-/// For another width.
+/// For another width, and for an even one on a sphere, whose texels cannot lie aside.
 pub fn gaussian(texture: &RadiosityTexture, width: u32) -> RadiosityTexture {
     assert!((1..=WIDEST).contains(&width), "a Gaussian of {width} texels, 1 to {WIDEST}");
     let weights: Vec<f32> =
         (0..width).map(|i| binomial(width - 1, i) / (1u32 << (width - 1)) as f32).collect();
+    let sphere = texture.border == Border::Sphere;
+    assert!(!sphere || width % 2 == 1, "an even Gaussian of {width} texels on a sphere");
     let (more, reach) = (u32::from(width.is_multiple_of(2)), i64::from(width / 2));
     let (w, h) = (texture.image.width + more, texture.image.height + more);
-    let image = LinearImage::from_fn(w, h, |x, y| {
+    let mut image = LinearImage::from_fn(w, h, |x, y| {
         let mut sum = Vec3::ZERO;
         for (dy, b) in (0..).zip(&weights) {
             for (dx, a) in (0..).zip(&weights) {
@@ -35,6 +38,9 @@ pub fn gaussian(texture: &RadiosityTexture, width: u32) -> RadiosityTexture {
         }
         sum
     });
+    if sphere {
+        one_value_a_pole(&mut image);
+    }
     let first = texture.first - 0.5 * more as f32 * texture.step;
     RadiosityTexture { image, first, ..texture.clone() }
 }
@@ -56,6 +62,16 @@ pub fn adaptive(texture: &RadiosityTexture, tolerance: f32) -> RadiosityTexture 
         }
     });
     RadiosityTexture { image: LinearImage { pixels: pixels.collect(), ..texture.image }, ..texture.clone() }
+}
+
+/// Gives every texel of the first and of the last row the mean of its row.
+fn one_value_a_pole(image: &mut LinearImage) {
+    let w = image.width as usize;
+    let last = image.pixels.len() - w;
+    for row in [0..w, last..last + w] {
+        let mean = image.pixels[row.clone()].iter().sum::<Vec3>() / w as f32;
+        image.pixels[row].fill(mean);
+    }
 }
 
 /// n over k.
