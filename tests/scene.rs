@@ -222,7 +222,7 @@ fn obj_gives_parts_by_material_and_emission_in_nits() {
     let materials: Vec<_> = scene.objects[0].parts.iter().map(|p| &scene.materials[p.material]).collect();
     assert_eq!(materials[0].reflectance, Vec3::new(0.6, 0.1, 0.1));
     assert_eq!(materials[1].emission, Vec3::new(100.0, 200.0, 300.0));
-    assert!(materials.iter().all(|m| m.double_sided));
+    assert!(materials.iter().all(|m| !m.double_sided), "no light reaches the inside of a closed cube");
     assert!(scene.lamps.is_empty(), "an emissive surface lights the scene");
     assert_eq!(scene.warnings, Vec::<String>::new());
     assert!(!scene.objects[0].movable);
@@ -234,6 +234,36 @@ fn obj_gives_parts_by_material_and_emission_in_nits() {
 }
 
 #[test]
+fn closed_shells_are_lit_on_the_side_that_light_can_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    let cuboid = |first: usize, low: f32, high: f32, inward: bool| {
+        let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 1 { high } else { low });
+        let vertices = (0..8).map(corner).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces = faces.map(|mut face: [usize; 4]| {
+            if inward {
+                face.reverse();
+            }
+            let [a, b, c, d] = face.map(|i| i + first);
+            format!("f {a} {b} {c} {d}\n")
+        });
+        vertices.chain(faces).collect::<String>()
+    };
+    let double_sided = |walls_inward: bool| {
+        let text =
+            format!("o walls\n{}o block\n{}", cuboid(1, 0.0, 3.0, walls_inward), cuboid(9, 1.0, 1.5, false));
+        let scene = load(&write(folder.path(), "room.obj", text)).unwrap();
+        [0, 1].map(|o| scene.materials[scene.objects[o].parts[0].material].double_sided)
+    };
+    assert_eq!(double_sided(true), [false, false], "a room and a solid");
+    assert_eq!(
+        double_sided(false),
+        [true, false],
+        "walls that face outwards are seen from inside all the same"
+    );
+}
+
+#[test]
 fn obj_texture_coordinates_point_down() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "t.png", png(&[[255, 0, 0], [0, 0, 0]]));
@@ -241,6 +271,7 @@ fn obj_texture_coordinates_point_down() {
     let text =
         "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvt 1 0.25\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
     let scene = load(&write(folder.path(), "t.obj", text)).unwrap();
+    assert!(scene.materials[0].double_sided, "both sides of an open surface are seen");
     let mesh = &scene.meshes[0];
     let corner = mesh.positions.iter().position(|p| *p == Vec3::ZERO).unwrap();
     assert_eq!(mesh.uvs[corner], Vec2::new(0.0, 0.75));

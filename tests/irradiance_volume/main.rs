@@ -37,7 +37,10 @@ use lumenscope_core::{
         world::World,
     },
 };
-use std::{f32::consts::PI, sync::Arc};
+use std::{
+    f32::consts::{PI, TAU},
+    sync::Arc,
+};
 
 /// Radiosity given a triangle: element number and triangle number are the same.
 struct PerTriangle(Vec<Vec3>);
@@ -367,6 +370,13 @@ fn fast_directions_agree_with_the_map() {
         }
         // Only directions within 2e-6 of a bin's edge may fall on its other side: n edges of 20,000.
         assert!(differ < 12, "n = {n}: {differ}");
+        // On the equator the hemispheres weigh the same, at the corners of their squares too: height is zero.
+        for i in 0..720 {
+            let (z, x) = (i as f32 / 720.0 * TAU).sin_cos();
+            let b = fast.interpolated(Vec3::new(x, 0.0, z));
+            let height: f32 = (0..4).map(|k| b.weights[k] * bins.centre(b.bins[k] as usize).y).sum();
+            assert!(height.abs() < 1e-5, "n = {n}, {i}: {b:?}");
+        }
     }
 }
 

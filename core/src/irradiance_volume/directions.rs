@@ -27,7 +27,8 @@ impl Directions {
     /// Tables for a number of bins.
     ///
     /// Across the edge of a hemisphere's square lies the same cell of the other hemisphere, because
-    /// the lower half of the sphere is the upper one mirrored at its equator.
+    /// the lower half of the sphere is the upper one mirrored at its equator. Across a corner lies the cell
+    /// itself: only two cells meet there, the corner's own and the one across either edge.
     pub fn new(bins: DirectionBins) -> Self {
         let n = bins.n() as i32;
         let mut around = Vec::with_capacity(2 * ((n + 1) * (n + 1)) as usize);
@@ -36,8 +37,8 @@ impl Directions {
                 for column in 0..=n {
                     around.push(std::array::from_fn(|i| {
                         let (c, r) = (column - 1 + (i as i32 & 1), row - 1 + (i as i32 >> 1));
-                        let inside = (0..n).contains(&c) && (0..n).contains(&r);
-                        let side = if inside { lower } else { 1 - lower };
+                        let crossed = [c, r].iter().filter(|i| !(0..n).contains(*i)).count() as i32;
+                        let side = (lower + crossed) % 2;
                         (side * n * n + r.clamp(0, n - 1) * n + c.clamp(0, n - 1)) as u16
                     }));
                 }

@@ -7,6 +7,8 @@
 mod coincident;
 mod shells;
 
+pub(super) use shells::with_dark_sides;
+
 use super::{Scene, accel::Ray, emitters::Emitter, lamp::LampKind, world::World};
 use crate::math::random::r2_point;
 use glam::Vec3;

@@ -59,6 +59,32 @@ pub fn check(scene: &Scene, geometry: &Geometry, findings: &mut Vec<Finding>) {
     }
 }
 
+/// Objects with a side that no light can reach: closed shells all, solids with their front outside or rooms
+/// with their front inside. A solid holds nothing else, a room does.
+pub fn with_dark_sides(scene: &Scene, geometry: &Geometry) -> Vec<usize> {
+    let points = points_of_interest(scene, geometry);
+    let has_dark_side = |index: usize| {
+        let shells = shells(geometry, geometry.object_triangles[index].clone());
+        shells.iter().all(|shell| {
+            let faults =
+                shell.open_edges + shell.clashing_edges + shell.crowded_edges + shell.opposed_normals;
+            faults == 0 && shell.volume6 != 0.0 && shell.is_room(index, &points) == (shell.volume6 < 0.0)
+        })
+    };
+    (0..scene.objects.len()).filter(|&index| has_dark_side(index)).collect()
+}
+
+impl Shell {
+    /// Whether it is around something else than the object it belongs to: a room, whose front is inside.
+    fn is_room(&self, object: usize, points: &[(Option<usize>, Vec3)]) -> bool {
+        points.iter().any(|&(owner, p)| owner != Some(object) && self.holds(p))
+    }
+
+    fn holds(&self, p: Vec3) -> bool {
+        p.cmpgt(self.low).all() && p.cmplt(self.high).all()
+    }
+}
+
 /// The camera, the lamps and the middle of every object; with the object that each belongs to.
 fn points_of_interest(scene: &Scene, geometry: &Geometry) -> Vec<(Option<usize>, Vec3)> {
     let mut points = vec![(None, scene.camera.eye)];
@@ -74,15 +100,11 @@ fn points_of_interest(scene: &Scene, geometry: &Geometry) -> Vec<(Option<usize>,
 }
 
 fn inside_out(shell: &Shell, name: &str, object: usize, points: &[(Option<usize>, Vec3)]) -> Option<Finding> {
-    let inside = |p: Vec3| p.cmpgt(shell.low).all() && p.cmplt(shell.high).all();
-    // A shell around something else is a room, whose front is inside.
-    let is_room = points.iter().any(|&(owner, p)| owner != Some(object) && inside(p));
-    if shell.volume6 < 0.0 && !is_room {
+    if shell.volume6 < 0.0 && !shell.is_room(object, points) {
         let what = "closed shell with its front inside".into();
         return Some(Finding::warning(name, what, "flip its normals: its outside is black"));
     }
-    let holds_eye = inside(points[0].1);
-    if shell.volume6 > 0.0 && holds_eye {
+    if shell.volume6 > 0.0 && shell.holds(points[0].1) {
         let what = "closed shell around the camera with its front outside".into();
         return Some(Finding::warning(name, what, "flip its normals: its inside is black"));
     }

@@ -22,11 +22,13 @@ mod sanity;
 use super::{
     Scene,
     camera::Camera,
+    check,
     lamp::{Lamp, LampKind},
+    material::Material,
 };
 use glam::{Affine3A, Vec3};
 use model::Model;
-use std::{ops::Range, path::Path};
+use std::{collections::HashMap, ops::Range, path::Path};
 
 /// Largest coordinate taken, m.
 pub const LARGEST_COORDINATE: f32 = 1e6;
@@ -117,9 +119,12 @@ impl SceneError {
 /// If the file or a model it names cannot be read, is malformed, holds a coordinate or quantity that
 /// is not a sensible number, or contains no triangles.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    if extension(path) == "ron" {
-        return ron::load(path);
-    }
+    let mut scene = if extension(path) == "ron" { ron::load(path)? } else { load_model(path)? };
+    darken(&mut scene);
+    Ok(scene)
+}
+
+fn load_model(path: &Path) -> Result<Scene, SceneError> {
     let model = read_model(path)?;
     let mut scene = Scene { name: stem(path), ..Scene::default() };
     let camera = model.camera;
@@ -138,7 +143,32 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// As [`load`]; the scene is then as it was. A `.ron` scene cannot be added.
 pub fn add_model(scene: &mut Scene, path: &Path) -> Result<Range<usize>, SceneError> {
     let model = read_model(path)?;
-    Ok(model.append_to(scene, Affine3A::IDENTITY, true, &format!("{}: ", file_name(path))))
+    let added = model.append_to(scene, Affine3A::IDENTITY, true, &format!("{}: ", file_name(path)));
+    darken(scene);
+    Ok(added)
+}
+
+/// Takes the light off the sides that no light can reach, the insides of solids and the outsides of rooms,
+/// where materials are double-sided because the file does not say otherwise: so the inside of a solid is
+/// known as such, and no element is spent on it.
+fn darken(scene: &mut Scene) {
+    let double = |scene: &Scene, object: usize| {
+        scene.objects[object].parts.iter().any(|p| scene.materials[p.material].double_sided)
+    };
+    if !(0..scene.objects.len()).any(|o| double(scene, o)) {
+        return;
+    }
+    let dark = check::with_dark_sides(scene, &super::geometry::Geometry::new(scene));
+    let mut single_sided: HashMap<usize, usize> = HashMap::new();
+    for object in dark.into_iter().filter(|&o| double(scene, o)).collect::<Vec<_>>() {
+        let materials = &mut scene.materials;
+        for part in &mut scene.objects[object].parts {
+            part.material = *single_sided.entry(part.material).or_insert_with(|| {
+                materials.push(Material { double_sided: false, ..materials[part.material].clone() });
+                materials.len() - 1
+            });
+        }
+    }
 }
 
 fn read_model(path: &Path) -> Result<Model, SceneError> {
