@@ -13,6 +13,8 @@ struct Corner {
 struct TriangleInfo {
     material: u32,
     object: u32,
+    // Flat reflector it is part of, or NONE.
+    reflector: u32,
 }
 
 struct ObjectInfo {

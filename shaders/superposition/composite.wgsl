@@ -18,6 +18,7 @@ struct Composite {
 struct ShownTriangle {
     material: u32,
     object: u32,
+    reflector: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

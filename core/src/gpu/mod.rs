@@ -9,11 +9,11 @@ pub mod inspection;
 pub mod offline;
 mod readback;
 pub mod renderer;
-mod scene;
+pub(crate) mod scene;
 pub mod shaders;
-mod storage;
+pub(crate) mod storage;
 pub mod tables;
-mod targets;
+pub(crate) mod targets;
 
 pub use device::{GpuContext, GpuError, required_features, required_limits};
 pub use frame::FrameSettings;

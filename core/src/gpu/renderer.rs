@@ -19,6 +19,7 @@ use super::{
 use crate::{
     inspection::InspectionScene,
     math::{false_colour::FalseColour, image::LinearImage},
+    mirror::gpu::MirrorPasses,
     superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers},
     transport::LightTransportSolution,
 };
@@ -43,6 +44,8 @@ pub struct GpuRenderer {
     shade_per_pixel: wgpu::ComputePipeline,
     shade_elements: wgpu::ComputePipeline,
     composite: wgpu::RenderPipeline,
+    /// Passes of what is polished, made when something first is.
+    mirror: Option<MirrorPasses>,
     accumulated: u32,
 }
 
@@ -94,17 +97,7 @@ impl GpuRenderer {
             true,
         );
         let shade_module = shaders::SHADE.module(device);
-        let shade_pipeline_layout = pipeline_layout(device, &[&scene.layout, &shade_layout]);
-        let shade = |entry| {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry),
-                layout: Some(&shade_pipeline_layout),
-                module: &shade_module,
-                entry_point: Some(entry),
-                compilation_options: Default::default(),
-                cache: None,
-            })
-        };
+        let shade = |entry| compute_pipeline(device, &shade_module, entry, &[&scene.layout, &shade_layout]);
         let composite = render_pipeline(
             device,
             &shaders::COMPOSITE.module(device),
@@ -131,6 +124,7 @@ impl GpuRenderer {
             composite_group,
             visibility,
             composite,
+            mirror: None,
             accumulated: 0,
         })
     }
@@ -201,6 +195,14 @@ impl GpuRenderer {
         }
         self.record_visibility(encoder);
         self.record_shading(encoder, settings.direct);
+        if !specular {
+            self.mirror = None;
+        } else {
+            let mirror = self
+                .mirror
+                .get_or_insert_with(|| MirrorPasses::new(device, &self.scene, &self.frame, &self.targets));
+            mirror.record(queue, encoder, &self.scene, &self.targets, &settings);
+        }
         self.record_composite(encoder);
         self.inspection.record(encoder, &self.targets);
     }
@@ -213,6 +215,12 @@ impl GpuRenderer {
     /// Width and height of the last frame: what was asked for, or what the device can.
     pub fn size(&self) -> [u32; 2] {
         self.targets.size
+    }
+
+    /// Mirrored views that the last frame drew.
+    pub fn mirrored_views(&self) -> usize {
+        let drawn = self.mirror.as_ref().map_or(0, MirrorPasses::views_drawn);
+        if self.scene.specular() { drawn } else { 0 }
     }
 
     /// Frames in the running mean.
@@ -278,6 +286,9 @@ impl GpuRenderer {
             &self.targets,
             self.scene.triangles(),
         );
+        if let Some(mirror) = &mut self.mirror {
+            mirror.bind(device, &self.frame, &self.targets);
+        }
     }
 
     fn record_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -370,8 +381,25 @@ fn pipeline_layout(device: &wgpu::Device, groups: &[&wgpu::BindGroupLayout]) -> 
     })
 }
 
+/// A pipeline of one entry point.
+pub(crate) fn compute_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::ComputePipeline {
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(&pipeline_layout(device, groups)),
+        module,
+        entry_point: Some(entry),
+        compilation_options: Default::default(),
+        cache: None,
+    })
+}
+
 /// A pipeline that draws triangles without vertex buffers and without culling.
-pub(super) fn render_pipeline(
+pub(crate) fn render_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     [vertex, fragment]: [&str; 2],

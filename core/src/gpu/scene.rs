@@ -9,8 +9,8 @@ use super::{
     tables,
 };
 use crate::{
-    radiosity::lookup::SideMap, scene::geometry::Geometry, superposition::moved::MovedLight,
-    transport::LightTransportSolution,
+    mirror::reflectors::Reflectors, radiosity::lookup::SideMap, scene::geometry::Geometry,
+    superposition::moved::MovedLight, transport::LightTransportSolution,
 };
 use std::sync::Arc;
 
@@ -51,45 +51,65 @@ enum Table {
 }
 
 /// A solution on the device.
-pub(super) struct SceneTables {
+pub(crate) struct SceneTables {
     storage: [Storage; 14],
     last: Option<LightTransportSolution>,
+    reflectors: Reflectors,
     /// Layout of all tables, for shading.
-    pub(super) layout: wgpu::BindGroupLayout,
+    pub(crate) layout: wgpu::BindGroupLayout,
     /// Layout of corners, triangles and materials, for rasterising.
-    pub(super) raster_layout: wgpu::BindGroupLayout,
+    pub(crate) raster_layout: wgpu::BindGroupLayout,
     /// All tables.
-    pub(super) group: wgpu::BindGroup,
+    pub(crate) group: wgpu::BindGroup,
     /// Corners, triangles and materials.
-    pub(super) raster_group: wgpu::BindGroup,
+    pub(crate) raster_group: wgpu::BindGroup,
     /// Numbers of emitters and trees.
-    pub(super) counts: [u32; 2],
+    pub(crate) counts: [u32; 2],
 }
 
 impl SceneTables {
     /// No scene.
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let storage: [Storage; 14] = std::array::from_fn(|i| Storage::new(device, LABELS[i]));
         let all: Vec<_> = (0..14).map(|i| (i, Binding::Table)).collect();
         let layout_all = layout(device, "scene", wgpu::ShaderStages::COMPUTE, &all);
         let raster_layout = layout(device, "raster", wgpu::ShaderStages::VERTEX_FRAGMENT, &all[..3]);
         let group = group(device, &layout_all, &storage);
         let raster_group = self::group(device, &raster_layout, &storage[..3]);
-        Self { storage, last: None, layout: layout_all, raster_layout, group, raster_group, counts: [0; 2] }
+        Self {
+            storage,
+            last: None,
+            reflectors: Reflectors::default(),
+            layout: layout_all,
+            raster_layout,
+            group,
+            raster_group,
+            counts: [0; 2],
+        }
     }
 
     /// Number of triangles.
-    pub(super) fn triangle_count(&self) -> u32 {
+    pub(crate) fn triangle_count(&self) -> u32 {
         self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32)
     }
 
+    /// The solution on the device.
+    pub(crate) fn solution(&self) -> Option<&LightTransportSolution> {
+        self.last.as_ref()
+    }
+
+    /// Its flat reflectors.
+    pub(crate) fn reflectors(&self) -> &Reflectors {
+        &self.reflectors
+    }
+
     /// Whether anything has a specular lobe.
-    pub(super) fn specular(&self) -> bool {
+    pub(crate) fn specular(&self) -> bool {
         self.last.as_ref().is_some_and(|s| s.world.geometry.is_specular())
     }
 
     /// Material and object of each triangle.
-    pub(super) fn triangles(&self) -> &wgpu::Buffer {
+    pub(crate) fn triangles(&self) -> &wgpu::Buffer {
         self.storage[Table::Triangles as usize].buffer()
     }
 
@@ -98,7 +118,7 @@ impl SceneTables {
     /// # Errors
     /// [`GpuError::TooSmall`] where a table does not fit the device, [`GpuError::TooDeep`] where the shaders
     /// cannot follow a tree; then nothing is shown.
-    pub(super) fn upload(
+    pub(crate) fn upload(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -109,9 +129,14 @@ impl SceneTables {
         let (world, radiosity) = (&solution.world, &solution.radiosity);
         let geometry = &world.geometry;
         let mut renewed = false;
+        let reflectors = Reflectors::new(geometry);
         let mut write = Writer { storage: &mut self.storage, device, queue, renewed: &mut renewed };
         match known {
             Some(last) => {
+                // Materials may have become polished or dull.
+                if reflectors != self.reflectors {
+                    write.table(Table::Triangles, &tables::triangles(geometry, &reflectors))?;
+                }
                 for (object, range) in geometry.object_triangles.iter().enumerate() {
                     if geometry.world_from_object[object] != last.world.geometry.world_from_object[object] {
                         let corners = tables::corners(geometry, range.clone());
@@ -125,7 +150,7 @@ impl SceneTables {
             }
             None => {
                 write.table(Table::Corners, &tables::corners(geometry, 0..geometry.len() as u32))?;
-                write.table(Table::Triangles, &tables::triangles(geometry))?;
+                write.table(Table::Triangles, &tables::triangles(geometry, &reflectors))?;
                 let (infos, texels) = tables::textures(geometry.textures.iter().map(|t| &**t));
                 write.table(Table::Textures, &infos)?;
                 write.table(Table::Texels, &texels)?;
@@ -161,6 +186,7 @@ impl SceneTables {
             self.group = group(device, &self.layout, &self.storage);
             self.raster_group = group(device, &self.raster_layout, &self.storage[..3]);
         }
+        self.reflectors = reflectors;
         // Held so that what its pointers name cannot be freed and reused.
         self.last = Some(solution.clone());
         Ok(renewed)

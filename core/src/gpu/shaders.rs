@@ -30,10 +30,40 @@ pub const SHADE: Program = Program {
         wgsl!("shared/random.wgsl"),
         wgsl!("shared/frame.wgsl"),
         wgsl!("shared/scene.wgsl"),
+        wgsl!("shared/reflection.wgsl"),
         wgsl!("shared/rays.wgsl"),
         wgsl!("shared/direct.wgsl"),
         wgsl!("shared/elements.wgsl"),
+        wgsl!("superposition/terms.wgsl"),
         wgsl!("superposition/shade.wgsl"),
+    ],
+};
+
+/// Which triangle each pixel sees by way of mirrors.
+pub const MIRROR_VISIBILITY: Program = Program {
+    name: "mirror visibility",
+    files: &[
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/scene.wgsl"),
+        wgsl!("mirror/views.wgsl"),
+        wgsl!("mirror/visibility.wgsl"),
+    ],
+};
+
+/// What arrives by way of mirrors.
+pub const MIRROR_FOLLOW: Program = Program {
+    name: "mirror follow",
+    files: &[
+        wgsl!("shared/random.wgsl"),
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/scene.wgsl"),
+        wgsl!("shared/reflection.wgsl"),
+        wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/direct.wgsl"),
+        wgsl!("shared/elements.wgsl"),
+        wgsl!("superposition/terms.wgsl"),
+        wgsl!("mirror/views.wgsl"),
+        wgsl!("mirror/follow.wgsl"),
     ],
 };
 
@@ -59,7 +89,7 @@ pub const INSPECTION: Program = Program {
 };
 
 /// Every program.
-pub const ALL: [Program; 4] = [VISIBILITY, SHADE, COMPOSITE, INSPECTION];
+pub const ALL: [Program; 6] = [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, COMPOSITE, INSPECTION];
 
 impl Program {
     /// Its whole source.

@@ -7,14 +7,14 @@ use bytemuck::Pod;
 const SMALLEST: u64 = 256;
 
 /// A storage buffer as large as what was last put into it, or larger.
-pub(super) struct Storage {
+pub(crate) struct Storage {
     label: &'static str,
     buffer: wgpu::Buffer,
 }
 
 impl Storage {
     /// An empty buffer.
-    pub(super) fn new(device: &wgpu::Device, label: &'static str) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, label: &'static str) -> Self {
         Self { label, buffer: create(device, label, SMALLEST) }
     }
 
@@ -22,7 +22,7 @@ impl Storage {
     ///
     /// # Errors
     /// [`GpuError::TooSmall`] where the device binds no buffer as large.
-    pub(super) fn write<T: Pod>(
+    pub(crate) fn write<T: Pod>(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -48,12 +48,12 @@ impl Storage {
     }
 
     /// Overwrites a part of the table, from an element on.
-    pub(super) fn patch<T: Pod>(&self, queue: &wgpu::Queue, first: usize, part: &[T]) {
+    pub(crate) fn patch<T: Pod>(&self, queue: &wgpu::Queue, first: usize, part: &[T]) {
         queue.write_buffer(&self.buffer, (first * size_of::<T>()) as u64, bytemuck::cast_slice(part));
     }
 
     /// The buffer.
-    pub(super) fn buffer(&self) -> &wgpu::Buffer {
+    pub(crate) fn buffer(&self) -> &wgpu::Buffer {
         &self.buffer
     }
 }
@@ -68,7 +68,7 @@ fn create(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
 }
 
 /// A uniform buffer of one structure.
-pub(super) fn uniform<T: Pod>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
+pub(crate) fn uniform<T: Pod>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size_of::<T>() as u64,
@@ -79,7 +79,7 @@ pub(super) fn uniform<T: Pod>(device: &wgpu::Device, label: &str) -> wgpu::Buffe
 
 /// What a binding holds.
 #[derive(Clone, Copy)]
-pub(super) enum Binding {
+pub(crate) enum Binding {
     /// A uniform structure.
     Uniform,
     /// A table that is read.
@@ -91,7 +91,7 @@ pub(super) enum Binding {
 }
 
 /// A layout of bindings, numbered as given.
-pub(super) fn layout(
+pub(crate) fn layout(
     device: &wgpu::Device,
     label: &str,
     stages: wgpu::ShaderStages,
@@ -121,7 +121,7 @@ pub(super) fn layout(
 }
 
 /// Binds resources, numbered as given.
-pub(super) fn bind(
+pub(crate) fn bind(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,

@@ -3,6 +3,7 @@
 use super::device::GpuError;
 use crate::{
     math::image::LinearImage,
+    mirror::reflectors::Reflectors,
     scene::{
         accel::{Accel, TreeView},
         emitters::{Emitter, Emitters},
@@ -40,6 +41,8 @@ pub struct TriangleInfo {
     pub material: u32,
     /// Object.
     pub object: u32,
+    /// Flat reflector it is part of, or [`NONE`].
+    pub reflector: u32,
 }
 
 /// `ObjectInfo` of `shaders/shared/scene.wgsl`.
@@ -207,13 +210,18 @@ pub fn corners(geometry: &Geometry, range: Range<u32>) -> Vec<Corner> {
         .collect()
 }
 
-/// Material and object of each triangle.
-pub fn triangles(geometry: &Geometry) -> Vec<TriangleInfo> {
+/// Material, object and reflector of each triangle.
+pub fn triangles(geometry: &Geometry, reflectors: &Reflectors) -> Vec<TriangleInfo> {
     geometry
         .material
         .iter()
         .zip(&geometry.object)
-        .map(|(&material, &object)| TriangleInfo { material, object })
+        .enumerate()
+        .map(|(t, (&material, &object))| TriangleInfo {
+            material,
+            object,
+            reflector: reflectors.of(t as u32),
+        })
         .collect()
 }
 

@@ -1,56 +1,45 @@
 //! What a frame is drawn into: triangle numbers, depth, layers, output.
 
 /// Format of the triangle numbers: number + 1, 0 where there is nothing.
-pub(super) const TRIANGLE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+pub(crate) const TRIANGLE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Format of depth, which is near / distance: larger is nearer.
-pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Floats a pixel: three layers of three, or five and the state of a mirrored ray, which is `STATE` floats of
-/// `shaders/mirror/follow.wgsl`.
+/// `shaders/mirror/views.wgsl`.
 const PLAIN_FLOATS: u64 = 9;
 const SPECULAR_FLOATS: u64 = 15 + 8;
 
 /// Textures and buffers of one size.
-pub(super) struct Targets {
+pub(crate) struct Targets {
     /// Width and height in pixels.
-    pub(super) size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Layers: three, or five where something is specular.
-    pub(super) layer_count: u32,
+    pub(crate) layer_count: u32,
     /// Triangle numbers.
-    pub(super) triangles: wgpu::Texture,
+    pub(crate) triangles: wgpu::Texture,
     /// View of them.
-    pub(super) triangles_view: wgpu::TextureView,
+    pub(crate) triangles_view: wgpu::TextureView,
     /// View of the depth.
-    pub(super) depth_view: wgpu::TextureView,
+    pub(crate) depth_view: wgpu::TextureView,
     /// Display picture.
-    pub(super) output: wgpu::Texture,
+    pub(crate) output: wgpu::Texture,
     /// View of it.
-    pub(super) output_view: wgpu::TextureView,
+    pub(crate) output_view: wgpu::TextureView,
     /// Layers, one after the other, three floats a pixel.
-    pub(super) layers: wgpu::Buffer,
+    pub(crate) layers: wgpu::Buffer,
 }
 
 impl Targets {
     /// Targets of a size.
-    pub(super) fn new(
+    pub(crate) fn new(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
         size: [u32; 2],
         specular: bool,
     ) -> Self {
         use wgpu::TextureUsages as Usage;
-        let texture = |label, format, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | Usage::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
-        };
+        let texture = |label, format, usage| texture(device, label, size, format, usage);
         let triangles = texture("triangles", TRIANGLE_FORMAT, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
         let depth = texture("depth", DEPTH_FORMAT, Usage::empty());
         let output = texture("output", format, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
@@ -73,7 +62,7 @@ impl Targets {
     }
 
     /// The wanted size, made to fit the device: at least 1×1, and small enough for the layers' buffer.
-    pub(super) fn fitting(device: &wgpu::Device, wanted: [u32; 2], specular: bool) -> [u32; 2] {
+    pub(crate) fn fitting(device: &wgpu::Device, wanted: [u32; 2], specular: bool) -> [u32; 2] {
         let limits = device.limits();
         let [mut width, mut height] = wanted.map(|n| n.clamp(1, limits.max_texture_dimension_2d));
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -84,14 +73,34 @@ impl Targets {
     }
 
     /// Bytes of the layers.
-    pub(super) fn layer_bytes(&self) -> u64 {
+    pub(crate) fn layer_bytes(&self) -> u64 {
         12 * u64::from(self.layer_count) * pixels(self.size)
     }
 
     /// Whether they have room for what is specular.
-    pub(super) fn specular(&self) -> bool {
+    pub(crate) fn specular(&self) -> bool {
         self.layer_count > 3
     }
+}
+
+/// A texture to draw into.
+pub(crate) fn texture(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
 }
 
 fn pixel_bytes(specular: bool) -> u64 {

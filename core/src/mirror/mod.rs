@@ -18,6 +18,7 @@
 
 use crate::scene::file::PlanOverrides;
 
+pub mod gpu;
 pub mod pass;
 pub mod reflectors;
 pub mod views;

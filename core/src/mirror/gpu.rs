@@ -1,0 +1,300 @@
+//! Mirrored views on the GPU: twin of [`super::pass`].
+//!
+//! All views of one depth share a raster pass and its depth buffer: a pixel follows one chain of mirrors,
+//! so their masks never overlap. Each view is one draw within the rectangle that its reflector covers.
+//! Pipelines and textures are made when a scene first has something polished, and not before.
+
+use super::{
+    MOST_VIEWS, MirrorSettings,
+    views::{Eye, MirroredView, Rectangle, mirrored_views},
+};
+use crate::gpu::{
+    frame::FrameSettings,
+    renderer::{compute_pipeline, render_pipeline},
+    scene::SceneTables,
+    shaders,
+    storage::{Binding, bind, layout, uniform},
+    targets::{DEPTH_FORMAT, TRIANGLE_FORMAT, Targets, texture},
+};
+use crate::superposition::composite::DirectQuality;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// `MirroredView` of `shaders/mirror/views.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ViewInfo {
+    /// Mirrored eye, m.
+    pub eye: Vec3,
+    /// Reflector.
+    pub reflector: u32,
+    /// Unit direction to the right.
+    pub right: Vec3,
+    /// View it is seen in, counted from 1; 0 is the picture.
+    pub parent: u32,
+    /// Unit direction upwards in the picture.
+    pub up: Vec3,
+    /// Mirrors on the way.
+    pub depth: u32,
+    /// Unit direction through the middle of the picture.
+    pub forward: Vec3,
+    /// Nothing.
+    pub padding: u32,
+    /// Normal of the clip plane.
+    pub clip_normal: Vec3,
+    /// Its offset, m.
+    pub clip_offset: f32,
+}
+
+impl ViewInfo {
+    fn new(view: &MirroredView) -> Self {
+        Self {
+            eye: view.eye.position,
+            reflector: view.reflector,
+            right: view.eye.right,
+            parent: view.parent,
+            up: view.eye.up,
+            depth: view.depth,
+            forward: view.eye.forward,
+            padding: 0,
+            clip_normal: view.clip_normal,
+            clip_offset: view.clip_offset,
+        }
+    }
+}
+
+/// `MirroredViews` of `shaders/mirror/views.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ViewTable {
+    /// Views there are.
+    pub count: u32,
+    /// Nothing nearer to a reflector than this is seen in it, m.
+    pub near: f32,
+    /// Nothing.
+    pub padding: [u32; 2],
+    /// The views.
+    pub list: [ViewInfo; MOST_VIEWS],
+}
+
+/// Share of the scene's size within which nothing is seen in a reflector.
+const NEAR: f32 = 1e-5;
+
+/// Passes of the mirrored views.
+pub struct MirrorPasses {
+    views: wgpu::Buffer,
+    raster_layout: wgpu::BindGroupLayout,
+    follow_layout: wgpu::BindGroupLayout,
+    visibility: wgpu::RenderPipeline,
+    begin: wgpu::ComputePipeline,
+    follow_per_pixel: wgpu::ComputePipeline,
+    follow_elements: wgpu::ComputePipeline,
+    reflect: wgpu::ComputePipeline,
+    sized: Sized,
+    views_drawn: usize,
+}
+
+/// What depends on the size of the picture.
+struct Sized {
+    triangles: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    raster_group: wgpu::BindGroup,
+    /// With the picture's own triangles.
+    picture_group: wgpu::BindGroup,
+    /// With those of the mirrored views.
+    mirrored_group: wgpu::BindGroup,
+}
+
+impl MirrorPasses {
+    /// Builds the pipelines.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        scene: &SceneTables,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+    ) -> Self {
+        use Binding::{Table, Texture, Uniform, Written};
+        use wgpu::ShaderStages as Stages;
+        let views = uniform::<ViewTable>(device, "mirrored views");
+        let raster_layout = layout(
+            device,
+            "mirrored visibility",
+            Stages::VERTEX_FRAGMENT,
+            &[(0, Uniform), (2, Table), (3, Uniform)],
+        );
+        let follow_layout = layout(
+            device,
+            "mirror",
+            Stages::COMPUTE,
+            &[(0, Uniform), (1, Texture), (2, Written), (3, Uniform)],
+        );
+        let visibility = render_pipeline(
+            device,
+            &shaders::MIRROR_VISIBILITY.module(device),
+            ["project", "identify"],
+            &[&scene.raster_layout, &raster_layout],
+            TRIANGLE_FORMAT,
+            true,
+        );
+        let module = shaders::MIRROR_FOLLOW.module(device);
+        let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.layout, &follow_layout]);
+        let (begin, reflect) = (compute("begin"), compute("reflect_into_layers"));
+        let (follow_per_pixel, follow_elements) = (compute("follow_per_pixel"), compute("follow_elements"));
+        let sized = Sized::new(device, [&raster_layout, &follow_layout], [frame, &views], targets);
+        Self {
+            views,
+            raster_layout,
+            follow_layout,
+            visibility,
+            begin,
+            follow_per_pixel,
+            follow_elements,
+            reflect,
+            sized,
+            views_drawn: 0,
+        }
+    }
+
+    /// Follows targets of another size.
+    pub(crate) fn bind(&mut self, device: &wgpu::Device, frame: &wgpu::Buffer, targets: &Targets) {
+        let layouts = [&self.raster_layout, &self.follow_layout];
+        self.sized = Sized::new(device, layouts, [frame, &self.views], targets);
+    }
+
+    /// Views of the last frame: a draw of the scene each.
+    pub fn views_drawn(&self) -> usize {
+        self.views_drawn
+    }
+
+    /// Records the passes of one frame, after those of the picture.
+    pub(crate) fn record(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &SceneTables,
+        targets: &Targets,
+        settings: &FrameSettings,
+    ) {
+        let Some(solution) = scene.solution() else { return };
+        let geometry = &solution.world.geometry;
+        let [width, height] = targets.size;
+        let eye = Eye::new(&settings.camera, width as f32 / height as f32);
+        let depth = MirrorSettings::of(&solution.scene.plan).depth;
+        let views = mirrored_views(geometry, scene.reflectors(), eye, depth);
+        self.views_drawn = views.len();
+        let (low, high) = geometry.bounds();
+        let near = NEAR * (high - low).length();
+        let mut table = ViewTable { count: views.len() as u32, near, ..ViewTable::zeroed() };
+        for (entry, view) in table.list.iter_mut().zip(&views) {
+            *entry = ViewInfo::new(view);
+        }
+        queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&table));
+        self.dispatch(encoder, &self.begin, &self.sized.picture_group, scene, targets.size);
+        let follow = match settings.direct {
+            DirectQuality::PerPixel(_) => &self.follow_per_pixel,
+            DirectQuality::Elements => &self.follow_elements,
+        };
+        for depth in 1..=views.last().map_or(0, |v| v.depth) {
+            self.record_depth(encoder, scene, targets.size, &views, depth);
+            self.dispatch(encoder, follow, &self.sized.mirrored_group, scene, targets.size);
+        }
+        self.dispatch(encoder, &self.reflect, &self.sized.picture_group, scene, targets.size);
+    }
+
+    /// Draws every view of one depth.
+    fn record_depth(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &SceneTables,
+        size: [u32; 2],
+        views: &[MirroredView],
+        depth: u32,
+    ) {
+        let clear = |view| wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("mirrored views"),
+            color_attachments: &[Some(clear(&self.sized.triangles))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.sized.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.visibility);
+        pass.set_bind_group(0, &scene.raster_group, &[]);
+        pass.set_bind_group(1, &self.sized.raster_group, &[]);
+        for (i, view) in views.iter().enumerate().filter(|(_, v)| v.depth == depth) {
+            let [x, y, width, height] = pixels(view.rectangle, size);
+            pass.set_scissor_rect(x, y, width, height);
+            pass.draw(0..3 * scene.triangle_count(), i as u32..i as u32 + 1);
+        }
+    }
+
+    fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::ComputePipeline,
+        group: &wgpu::BindGroup,
+        scene: &SceneTables,
+        [width, height]: [u32; 2],
+    ) {
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("mirror"), ..Default::default() });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &scene.group, &[]);
+        pass.set_bind_group(1, group, &[]);
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+    }
+}
+
+/// First column and row, width and height of the pixels that a rectangle touches.
+fn pixels(rectangle: Rectangle, [width, height]: [u32; 2]) -> [u32; 4] {
+    let along = |low: f32, high: f32, size: u32| {
+        let at = |v: f32| (0.5 * (v + 1.0) * size as f32).clamp(0.0, size as f32);
+        // A pixel more on either side: jittered frames look through other places of their pixels.
+        let first = (at(low).floor() as u32).saturating_sub(1);
+        let last = (at(high).ceil() as u32 + 1).min(size);
+        (first, last.saturating_sub(first))
+    };
+    let (x, w) = along(rectangle.low.x, rectangle.high.x, width);
+    let (y, h) = along(-rectangle.high.y, -rectangle.low.y, height);
+    [x, y, w, h]
+}
+
+impl Sized {
+    fn new(
+        device: &wgpu::Device,
+        [raster, follow]: [&wgpu::BindGroupLayout; 2],
+        [frame, views]: [&wgpu::Buffer; 2],
+        targets: &Targets,
+    ) -> Self {
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+        let seen = texture(device, "mirrored triangles", targets.size, TRIANGLE_FORMAT, usage);
+        let depth =
+            texture(device, "mirrored depth", targets.size, DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let [triangles, depth] = [seen, depth].map(|t| t.create_view(&Default::default()));
+        let (frame, views) = (frame.as_entire_binding(), views.as_entire_binding());
+        let layers = targets.layers.as_entire_binding();
+        let group = |seen: &wgpu::TextureView| {
+            let seen = wgpu::BindingResource::TextureView(seen);
+            let resources = [(0, frame.clone()), (1, seen), (2, layers.clone()), (3, views.clone())];
+            bind(device, "mirror", follow, &resources)
+        };
+        let (picture_group, mirrored_group) = (group(&targets.triangles_view), group(&triangles));
+        let resources = [(0, frame.clone()), (2, layers.clone()), (3, views.clone())];
+        let raster_group = bind(device, "mirrored visibility", raster, &resources);
+        Self { triangles, depth, raster_group, picture_group, mirrored_group }
+    }
+}

@@ -1,0 +1,34 @@
+// Mirrored views of one frame; the Rust sides are in core/src/mirror/gpu.rs.
+
+struct MirroredView {
+    eye: vec3f,
+    reflector: u32,
+    right: vec3f,
+    // Number of the view it is seen in, counted from 1; 0 is the picture.
+    parent: u32,
+    up: vec3f,
+    depth: u32,
+    forward: vec3f,
+    padding: u32,
+    // What has dot(clip_normal, x) > clip_offset is shown.
+    clip_normal: vec3f,
+    clip_offset: f32,
+}
+
+struct MirroredViews {
+    count: u32,
+    // Nothing nearer to a reflector than this is seen in it, m.
+    near: f32,
+    padding_0: u32,
+    padding_1: u32,
+    list: array<MirroredView, 64>,
+}
+
+// State of a pixel's mirrored ray behind the layers: radiance, throughput, distance, view it goes on into.
+const STATE: u32 = 8u;
+const LAYERS: u32 = 5u;
+const NOT_MIRRORED: f32 = -1.0;
+
+fn state_of(size: vec2u, pixel: u32) -> u32 {
+    return 3u * LAYERS * size.x * size.y + STATE * pixel;
+}
