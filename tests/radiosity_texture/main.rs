@@ -5,6 +5,7 @@ mod curved;
 mod quadtree;
 mod spot;
 mod stages;
+mod subdivision;
 
 use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{

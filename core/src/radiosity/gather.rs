@@ -13,6 +13,7 @@
 
 use super::{
     RadiosityError,
+    subdivide::Between,
     surface_map::{Chart, Element, SurfaceMap, UNSOLVED},
 };
 use crate::{
@@ -45,48 +46,126 @@ pub struct Transport {
 struct Fill {
     element: u32,
     sources: Vec<u32>,
+    /// Weights of the sources, which sum to 1.
+    weights: Vec<f32>,
 }
 
-impl Transport {
-    /// Casts `rays` rays from every element.
+/// What the rays of the elements met, while elements are still being chosen.
+#[derive(Clone)]
+pub(super) struct Gathering {
+    /// Where the elements are.
+    pub map: SurfaceMap,
+    rays: u32,
+    seed: u64,
+    /// Grid nodes and vertex elements as they were hit, solved or not.
+    hits: Vec<u32>,
+    /// Elements whose rays are cast.
+    done: Vec<bool>,
+    buried: Vec<bool>,
+}
+
+impl Gathering {
+    /// Casts `rays` rays from every element that is to be solved.
     ///
     /// # Errors
     /// [`RadiosityError::Cancelled`].
     pub fn new(
         world: &World,
-        mut map: SurfaceMap,
+        map: SurfaceMap,
         rays: u32,
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
+        let (count, rays) = (map.elements.len(), rays.max(1));
+        let mut gathering = Self {
+            rays,
+            seed,
+            hits: vec![count as u32; count * rays as usize],
+            done: vec![false; count],
+            buried: vec![false; count],
+            map,
+        };
+        progress.begin("gathering light paths");
+        gathering.cast(world, progress)?;
+        Ok(gathering)
+    }
+
+    /// Casts rays from the elements that are to be solved and have none yet.
+    fn cast(&mut self, world: &World, progress: &Progress) -> Result<(), RadiosityError> {
         // Between two looks at whether the user gave up.
         const RAYS_A_BLOCK: usize = 1 << 18;
-        let rays = rays.max(1);
-        let block_elements = (RAYS_A_BLOCK / rays as usize).clamp(16, 1024);
-        let nothing = map.elements.len() as u32;
-        let mut hits = vec![nothing; map.elements.len() * rays as usize];
-        let mut buried = vec![false; map.elements.len()];
-        progress.begin("gathering light paths");
-        for (block, (rows, buried)) in
-            hits.chunks_mut(block_elements * rays as usize).zip(buried.chunks_mut(block_elements)).enumerate()
-        {
-            progress.report((block * block_elements) as f32 / map.elements.len().max(1) as f32)?;
-            rows.par_chunks_mut(rays as usize).zip(buried.par_iter_mut()).enumerate().for_each(
-                |(i, (row, buried))| {
-                    let element = block * block_elements + i;
-                    if map.elements[element].flags & UNSOLVED == 0 {
-                        *buried = gather_row(world, &map, element as u32, seed, row);
-                    }
-                },
-            );
+        let (rays, count) = (self.rays as usize, self.map.elements.len());
+        let block = (RAYS_A_BLOCK / rays).clamp(16, 1024);
+        let (map, seed) = (&self.map, self.seed);
+        for first in (0..count).step_by(block) {
+            progress.report(first as f32 / count as f32)?;
+            let range = first..(first + block).min(count);
+            let rows = self.hits[first * rays..range.end * rays].par_chunks_mut(rays);
+            let states = self.buried[range.clone()].par_iter_mut().zip(&mut self.done[range]);
+            rows.zip(states).enumerate().for_each(|(i, (row, (buried, done)))| {
+                let element = first + i;
+                if map.elements[element].flags & UNSOLVED == 0 && !*done {
+                    *buried = gather_row(world, map, element as u32, seed, row);
+                    *done = true;
+                }
+            });
         }
+        Ok(())
+    }
+
+    /// Splits the leaves of a level that `wanted` names by their corners, and casts rays from what is new;
+    /// whether anything was split. Leaves all of whose corners are buried or outside stay.
+    ///
+    /// # Errors
+    /// [`RadiosityError::Cancelled`].
+    pub fn subdivide(
+        &mut self,
+        world: &World,
+        level: u8,
+        wanted: impl Fn(&[usize], f32) -> bool,
+        progress: &Progress,
+    ) -> Result<bool, RadiosityError> {
+        let buried = &self.buried;
+        let open =
+            |corners: &[usize], side: f32| corners.iter().any(|c| !buried[*c]) && wanted(corners, side);
+        let grown = self.map.subdivide(level, open);
+        if grown {
+            progress.begin("subdividing");
+            self.cast(world, progress)?;
+        }
+        Ok(grown)
+    }
+
+    /// The transport of what was chosen.
+    pub fn transport(self, world: &World) -> Transport {
+        let Self { mut map, mut hits, rays, buried, .. } = self;
         mark_rims(&mut map, &buried);
-        let fills = fills(&map);
+        let between = map.between();
+        if !between.is_empty() {
+            map.weigh(&world.geometry, &between);
+        }
+        let fills = fills(&map, between);
         redirect(&mut map, &mut hits, &fills);
-        let mut transport = Self { map, hits, rays, norm: Vec3::ZERO, fills };
+        let mut transport = Transport { map, hits, rays, norm: Vec3::ZERO, fills };
         let reflectance: Vec<Vec3> = transport.map.elements.iter().map(|e| e.reflectance).collect();
         transport.norm = transport.gather(&reflectance).into_iter().fold(Vec3::ZERO, Vec3::max);
-        Ok(transport)
+        transport
+    }
+}
+
+impl Transport {
+    /// Casts `rays` rays from every element that is to be solved.
+    ///
+    /// # Errors
+    /// [`RadiosityError::Cancelled`].
+    pub fn new(
+        world: &World,
+        map: SurfaceMap,
+        rays: u32,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Self, RadiosityError> {
+        Ok(Gathering::new(world, map, rays, seed, progress)?.transport(world))
     }
 
     /// Mean over the hits of every element of a value an element; a sweep of the transport.
@@ -116,14 +195,15 @@ impl Transport {
     /// Gives unsolved elements the mean of their solved neighbours.
     pub fn fill(&self, values: &mut [Vec3]) {
         for fill in &self.fills {
-            let sum = fill.sources.iter().fold(Vec3::ZERO, |sum, &s| sum + values[s as usize]);
-            values[fill.element as usize] = sum / fill.sources.len().max(1) as f32;
+            let sources = fill.sources.iter().zip(&fill.weights);
+            values[fill.element as usize] =
+                sources.fold(Vec3::ZERO, |sum, (&s, &weight)| sum + values[s as usize] * weight);
         }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 4 * f.sources.len()).sum();
+        let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 8 * f.sources.len()).sum();
         self.map.bytes() + 4 * self.hits.len() + fills
     }
 }
@@ -178,7 +258,8 @@ fn sequence(map: &SurfaceMap, element: &Element, number: u32, seed: u32, rays: u
     }
     let chart = &map.charts[element.chart as usize];
     let local = number - chart.first_element;
-    let (x, y) = (local % chart.nx, local / chart.nx);
+    let [u, v] = map.stride(element.chart as usize, number as usize).map(|stride| stride as u32);
+    let (x, y) = (local % chart.nx / u, local / chart.nx / v);
     let morton = (x & 1) | ((y & 1) << 1) | ((x & 2) << 1) | ((y & 2) << 2);
     (hash2(chart.first_element, seed), morton * rays)
 }
@@ -186,11 +267,14 @@ fn sequence(map: &SurfaceMap, element: &Element, number: u32, seed: u32, rays: u
 /// Marks buried nodes beside open ones as unsolved, so that the light around an object that stands
 /// on a surface does not fade towards it. Buried nodes further in keep their own darkness.
 fn mark_rims(map: &mut SurfaceMap, buried: &[bool]) {
-    for chart in &map.charts {
+    for (number, chart) in map.charts.iter().enumerate() {
         let open = |map: &SurfaceMap, i: usize| map.elements[i].flags & UNSOLVED == 0 && !buried[i];
         let rim: Vec<usize> = (0..(chart.nx * chart.ny) as usize)
             .filter(|&i| buried[chart.first_element as usize + i])
-            .filter(|&i| neighbours(chart, i).any(|n| open(map, n)))
+            .filter(|&i| {
+                let stride = map.stride(number, chart.first_element as usize + i);
+                neighbours(chart, i, stride).any(|n| open(map, n))
+            })
             .collect();
         for i in rim {
             map.elements[chart.first_element as usize + i].flags |= UNSOLVED;
@@ -198,34 +282,41 @@ fn mark_rims(map: &mut SurfaceMap, buried: &[bool]) {
     }
 }
 
-/// The up to eight neighbours of a chart's node, as element numbers.
-fn neighbours(chart: &Chart, node: usize) -> impl Iterator<Item = usize> {
+/// The up to eight neighbours of a chart's node at a stride, as element numbers.
+fn neighbours(chart: &Chart, node: usize, stride: [usize; 2]) -> impl Iterator<Item = usize> {
     let (nx, ny, first) = (i64::from(chart.nx), i64::from(chart.ny), chart.first_element as usize);
     let (x, y) = (node as i64 % nx, node as i64 / nx);
+    let [u, v] = stride.map(|stride| stride as i64);
     (-1..=1)
-        .flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
+        .flat_map(move |dy| (-1..=1).map(move |dx| (x + dx * u, y + dy * v)))
         .filter(move |&(i, j)| i >= 0 && j >= 0 && i < nx && j < ny && (i, j) != (x, y))
         .map(move |(i, j)| first + (j * nx + i) as usize)
 }
 
-/// Where unsolved nodes take their light from: layer by layer outwards from the solved ones.
-fn fills(map: &SurfaceMap) -> Vec<Fill> {
-    let mut fills = Vec::new();
+/// Where unsolved nodes take their light from: between corners of leaves from those, then layer by layer
+/// outwards from what has light.
+fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
+    let mut lit: Vec<bool> = map.elements.iter().map(|e| e.flags & UNSOLVED == 0).collect();
+    let mut fills: Vec<Fill> = Vec::new();
+    for Between { element, corners, weights } in between {
+        lit[element as usize] = true;
+        fills.push(Fill { element, sources: corners, weights });
+    }
     for chart in &map.charts {
         let first = chart.first_element as usize;
         let count = (chart.nx * chart.ny) as usize;
-        let mut known: Vec<bool> =
-            map.elements[first..first + count].iter().map(|e| e.flags & UNSOLVED == 0).collect();
+        let mut known = lit[first..first + count].to_vec();
         let mut open: Vec<usize> = (0..count).filter(|&i| !known[i]).collect();
         while !open.is_empty() && open.len() < count {
             let mut layer = Vec::new();
             open.retain(|&i| {
                 let sources: Vec<u32> =
-                    neighbours(chart, i).filter(|&n| known[n - first]).map(|n| n as u32).collect();
+                    neighbours(chart, i, [1; 2]).filter(|&n| known[n - first]).map(|n| n as u32).collect();
                 let found = !sources.is_empty();
                 if found {
                     layer.push(i);
-                    fills.push(Fill { element: (first + i) as u32, sources });
+                    let weights = vec![1.0 / sources.len() as f32; sources.len()];
+                    fills.push(Fill { element: (first + i) as u32, sources, weights });
                 }
                 !found
             });
@@ -237,16 +328,36 @@ fn fills(map: &SurfaceMap) -> Vec<Fill> {
     fills
 }
 
-/// Hits on unsolved elements go to a solved one that lends it light; areas likewise.
+/// Hits on unsolved elements go to a solved one that lends it light, drawn with its weight; areas are
+/// divided by the weights.
 fn redirect(map: &mut SurfaceMap, hits: &mut [u32], fills: &[Fill]) {
-    let mut target: Vec<u32> = (0..=map.elements.len() as u32).collect();
-    for fill in fills {
-        let source = target[fill.sources[fill.sources.len() / 2] as usize];
-        target[fill.element as usize] = source;
+    if fills.is_empty() {
+        return;
+    }
+    let mut fill_of = vec![u32::MAX; map.elements.len() + 1];
+    for (number, fill) in fills.iter().enumerate() {
+        fill_of[fill.element as usize] = number as u32;
+    }
+    for fill in fills.iter().rev() {
         let area = std::mem::take(&mut map.elements[fill.element as usize].area);
-        map.elements[source as usize].area += area;
+        for (source, weight) in fill.sources.iter().zip(&fill.weights) {
+            map.elements[*source as usize].area += area * weight;
+        }
     }
-    if !fills.is_empty() {
-        hits.par_iter_mut().for_each(|hit| *hit = target[*hit as usize]);
-    }
+    hits.par_iter_mut().enumerate().with_min_len(4096).for_each(|(place, hit)| {
+        let mut step = 0;
+        while let Some(fill) = fills.get(fill_of[*hit as usize] as usize) {
+            let mut xi = unit_f32(hash2(place as u32, step));
+            let mut drawn = fill.sources[0];
+            for (source, weight) in fill.sources.iter().zip(&fill.weights) {
+                drawn = *source;
+                if xi < *weight {
+                    break;
+                }
+                xi -= weight;
+            }
+            *hit = drawn;
+            step += 1;
+        }
+    });
 }

@@ -19,7 +19,7 @@ pub fn wireframe(solution: &RadiositySolution) -> InspectionScene {
     for chart in &map.charts {
         let node = |x: u32, y: u32| {
             let e = &elements[(chart.first_element + y * chart.nx + x) as usize];
-            (e.flags & UNSOLVED == 0).then(|| e.position + e.normal * lift)
+            e.is_shown().then(|| e.position + e.normal * lift)
         };
         for y in 0..chart.ny {
             for x in 0..chart.nx {
@@ -94,7 +94,7 @@ fn coloured(
             for x in 1..chart.nx {
                 let at = |x: u32, y: u32| chart.first_element + y * chart.nx + x;
                 let corners = [at(x - 1, y - 1), at(x, y - 1), at(x, y), at(x - 1, y)];
-                if corners.iter().all(|&i| elements[i as usize].flags & UNSOLVED == 0) {
+                if corners.iter().all(|&i| elements[i as usize].is_shown()) {
                     let [a, b, c, d] = corners;
                     mesh.triangles.extend([[a, b, c], [a, c, d]]);
                 }

@@ -13,11 +13,14 @@
 
 mod charts;
 mod direct_light;
+mod footprint;
 pub mod gather;
 pub mod inspect;
+mod layout;
 pub mod lookup;
 pub mod smooth;
 pub mod solve;
+pub mod subdivide;
 pub mod surface_map;
 pub mod texture;
 
@@ -36,12 +39,13 @@ use crate::{
     },
 };
 use direct_light::EmitterLight;
-use gather::Transport;
+use gather::{Gathering, Transport};
 use glam::{DVec3, Vec2, Vec3};
 use lookup::SideMap;
 use rayon::prelude::*;
 use solve::{Convergence, weighted_sum};
 use std::sync::Arc;
+use subdivide::Subdivision;
 use surface_map::{Element, SurfaceMap};
 
 /// What a solve is made with.
@@ -49,6 +53,9 @@ use surface_map::{Element, SurfaceMap};
 pub struct RadiositySettings {
     /// Distance between elements, m; chosen from the scene when not given.
     pub element_spacing_m: Option<f32>,
+    /// Quadtrees on flat regions, split a posteriori from this spacing on; `None` solves uniform grids.
+    #[serde(default)]
+    pub subdivision: Option<Subdivision>,
     /// Gather rays an element.
     pub gather_rays: u32,
     /// Shadow rays an area emitter and element, where it is partly hidden.
@@ -67,6 +74,7 @@ impl Default for RadiositySettings {
     fn default() -> Self {
         Self {
             element_spacing_m: None,
+            subdivision: None,
             gather_rays: 96,
             shadow_rays: 16,
             smoothing: 1.0,
@@ -76,6 +84,11 @@ impl Default for RadiositySettings {
         }
     }
 }
+
+/// Shadow rays of a draft that decides where to subdivide.
+const DRAFT_SHADOW_RAYS: u32 = 2;
+/// Tolerance of its sweeps.
+const DRAFT_TOLERANCE: f32 = 0.02;
 
 /// Why there is no radiosity solution.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -156,8 +169,22 @@ impl RadiositySolution {
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
         progress.begin("laying out elements");
-        let map = SurfaceMap::new(&world.geometry, settings.element_spacing_m)?;
-        let transport = Transport::new(world, map, settings.gather_rays, settings.seed, progress)?;
+        let levels = settings.subdivision.map_or(0, |s| s.levels.min(subdivide::MOST_LEVELS));
+        let map = SurfaceMap::subdivided(&world.geometry, settings.element_spacing_m, levels)?;
+        let mut gathering = Gathering::new(world, map, settings.gather_rays, settings.seed, progress)?;
+        for level in 0..levels {
+            let draft = RadiositySettings {
+                shadow_rays: settings.shadow_rays.min(DRAFT_SHADOW_RAYS),
+                tolerance: settings.tolerance.max(DRAFT_TOLERANCE),
+                ..*settings
+            };
+            let draft = Self::light(world, Arc::new(gathering.clone().transport(world)), &draft, progress)?;
+            let Some(subdivision) = &settings.subdivision else { break };
+            if !gathering.subdivide(world, level, subdivide::asks(&draft, subdivision), progress)? {
+                break;
+            }
+        }
+        let transport = gathering.transport(world);
         Self::light(world, Arc::new(transport), settings, progress)
     }
 

@@ -58,8 +58,13 @@ pub fn smooth(transport: &Transport, irradiance: &[Vec3], variances: &[f32], wid
         let local = i - chart.first_element as usize;
         let (x, y) = (local % nx, local / nx);
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        for v in y.saturating_sub(2)..(y + 3).min(ny) {
-            for u in x.saturating_sub(2)..(x + 3).min(nx) {
+        let [du, dv] = transport.map.stride(element.chart as usize, i);
+        let around = |at: usize, step: usize, count: usize| {
+            (0..5)
+                .filter_map(move |k| Some((k, (at + k * step).checked_sub(2 * step).filter(|p| *p < count)?)))
+        };
+        for (b, v) in around(y, dv, ny) {
+            for (a, u) in around(x, du, nx) {
                 let j = chart.first_element as usize + v * nx + u;
                 if elements[j].flags & UNSOLVED != 0 {
                     continue;
@@ -71,7 +76,7 @@ pub fn smooth(transport: &Transport, irradiance: &[Vec3], variances: &[f32], wid
                 } else {
                     (-difference * difference / noise).exp()
                 };
-                let weight = BINOMIAL[u.abs_diff(x)] * BINOMIAL[v.abs_diff(y)] * likeness;
+                let weight = BINOMIAL[a.abs_diff(2)] * BINOMIAL[b.abs_diff(2)] * likeness;
                 sum += irradiance[j] * weight;
                 total += weight;
             }

@@ -1,0 +1,260 @@
+//! Subdivision a posteriori: quadtrees over the grids of flat regions, split where the light asks for it.
+//!
+//! A region's grid is laid out as fine as it may become. Its nodes are solved only at corners of leaves of the
+//! quadtrees that tile it; what lies between them is interpolated bilinearly, the finest leaves first, so
+//! that both sides of an edge with T-vertices agree. The grid is then a texture as [`super::texture`] makes
+//! it: lookups, shading and its twin on the GPU do not know of the trees. A region that is no rectangle, a
+//! triangle say, leaves the nodes outside it unsolved.
+//!
+//! After a draft at one level each leaf is judged by what its corners' own gather rays met. Light from a
+//! distance d bends over d, so interpolation over a leaf of side s is off by the order of s² |B − E| / d²
+//! for each ray that met radiosity B where E arrives; the mean of that over rays and corners, relative to E,
+//! is held to a tolerance. Not second differences of the solution: at a hundred rays they are mostly noise,
+//! which would be taken for detail.
+//!
+//! Limits: edges of indirect shadows from far objects are not foreseen; vertex elements and the bodies of
+//! lamps keep their spacing; trees stay as they were when lamps move afterwards.
+
+use super::{
+    RadiositySolution,
+    surface_map::{INTERPOLATED, OUTSIDE, SurfaceMap, UNSOLVED},
+};
+use crate::math::colour::luminance;
+use rayon::prelude::*;
+
+/// How grids are subdivided.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Subdivision {
+    /// Times that a root, a cell of the usual spacing, can be split: 1 to 4.
+    pub levels: u8,
+    /// Deviation from bilinear that is let be, relative to the irradiance (or 5 % of its mean, if that is
+    /// more).
+    pub tolerance: f32,
+}
+
+/// Share of the mean irradiance below which a leaf's own no longer sets the scale.
+const FLOOR_SHARE: f32 = 0.05;
+
+/// Most times that a root can be split.
+pub const MOST_LEVELS: u8 = 4;
+
+/// A leaf of a grid's trees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf {
+    /// First node along u and v.
+    pub at: [u32; 2],
+    /// Times it was split from a root.
+    pub level: u8,
+}
+
+/// The quadtrees over one grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChartTree {
+    /// Grid steps of a root along u and v: a power of two.
+    pub root: [u32; 2],
+    /// Nodes of the grid along u and v.
+    pub nodes: [u32; 2],
+    /// The leaves.
+    pub leaves: Vec<Leaf>,
+}
+
+/// Grid steps of a root, and nodes of the finest grid, along an axis with `nodes` of the usual spacing.
+pub(super) fn root_and_nodes(nodes: u32, levels: u8) -> (u32, u32) {
+    if nodes == 1 { (1, 1) } else { (1 << levels, ((nodes - 1) << levels) + 1) }
+}
+
+/// Where a node between corners of leaves takes its light from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Between {
+    /// The node.
+    pub element: u32,
+    /// Solved corners of its leaf.
+    pub corners: Vec<u32>,
+    /// Their weights, which sum to 1.
+    pub weights: Vec<f32>,
+}
+
+impl ChartTree {
+    /// A grid of roots.
+    pub(super) fn new(root: [u32; 2], nodes: [u32; 2]) -> Self {
+        let [w, h] = [0, 1].map(|axis| ((nodes[axis] - 1) / root[axis]).max(1));
+        let leaf = |i: u32| Leaf { at: [i % w * root[0], i / w * root[1]], level: 0 };
+        Self { root, nodes, leaves: (0..w * h).map(leaf).collect() }
+    }
+
+    /// Grid steps of a leaf of a level along u and v.
+    pub fn span(&self, level: u8) -> [u32; 2] {
+        self.root.map(|root| (root >> level).max(1))
+    }
+
+    /// Nodes at a leaf's corners, going round; one twice where the grid is a single node wide.
+    pub fn corners(&self, leaf: &Leaf) -> [u32; 4] {
+        let span = self.span(leaf.level);
+        let [low, high] =
+            [[0, 0], span].map(|d| [0, 1].map(|axis| (leaf.at[axis] + d[axis]).min(self.nodes[axis] - 1)));
+        let node = |x: u32, y: u32| y * self.nodes[0] + x;
+        [node(low[0], low[1]), node(high[0], low[1]), node(high[0], high[1]), node(low[0], high[1])]
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.leaves[..])
+    }
+
+    /// Splits leaves of a level; whether any was.
+    fn split(&mut self, level: u8, wanted: impl Fn(&Self, &Leaf) -> bool) -> bool {
+        let (span, part) = (self.span(level), self.span(level + 1));
+        let mut leaves = Vec::with_capacity(self.leaves.len());
+        for leaf in &self.leaves {
+            if leaf.level != level || span == part || !wanted(self, leaf) {
+                leaves.push(*leaf);
+                continue;
+            }
+            for y in (0..span[1]).step_by(part[1] as usize) {
+                for x in (0..span[0]).step_by(part[0] as usize) {
+                    leaves.push(Leaf { at: [leaf.at[0] + x, leaf.at[1] + y], level: level + 1 });
+                }
+            }
+        }
+        let grown = leaves.len() > self.leaves.len();
+        self.leaves = leaves;
+        grown
+    }
+
+    /// Level of the coarsest leaf that each node is a corner of; `None` between corners.
+    pub fn levels(&self) -> Vec<Option<u8>> {
+        let mut levels: Vec<Option<u8>> = vec![None; (self.nodes[0] * self.nodes[1]) as usize];
+        for leaf in &self.leaves {
+            for corner in self.corners(leaf) {
+                let known = &mut levels[corner as usize];
+                *known = Some(known.map_or(leaf.level, |k| k.min(leaf.level)));
+            }
+        }
+        levels
+    }
+}
+
+/// The test of leaves against a draft: whether the elements at a leaf's corners and its side, m, ask for a
+/// split.
+pub(super) fn asks<'a>(
+    draft: &'a RadiositySolution,
+    subdivision: &Subdivision,
+) -> impl Fn(&[usize], f32) -> bool + use<'a> {
+    let light: Vec<f32> = draft.direct.iter().zip(&draft.indirect).map(|(d, i)| luminance(*d + *i)).collect();
+    let bends = bends(draft);
+    let (sum, area) = draft
+        .elements()
+        .iter()
+        .zip(&light)
+        .fold((0.0, 0.0), |(sum, area), (e, light)| (sum + e.area * light, area + e.area));
+    let (floor, tolerance) = (FLOOR_SHARE * sum / area.max(f32::MIN_POSITIVE), subdivision.tolerance);
+    move |corners, side| {
+        let mean = |values: &[f32]| corners.iter().map(|&c| values[c]).sum::<f32>() / corners.len() as f32;
+        side * side * mean(&bends) > tolerance * mean(&light).max(floor)
+    }
+}
+
+/// By how much bilinear interpolation may be off at each element, over its side²: the mean over its rays of
+/// |B − E| / d², lx/m², with distances of the elements met, no less than a quarter of the spacing.
+fn bends(draft: &RadiositySolution) -> Vec<f32> {
+    const NEAREST_SPACINGS: f32 = 0.25;
+    let (transport, elements) = (draft.transport(), draft.elements());
+    let least = (NEAREST_SPACINGS * transport.map.spacing_m).powi(2);
+    (0..elements.len())
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|i| {
+            let own = luminance(draft.indirect[i]);
+            let sum = transport.row(i as u32).iter().fold(0.0, |sum, &hit| {
+                let Some(other) = elements.get(hit as usize) else { return sum };
+                let d2 = other.position.distance_squared(elements[i].position).max(least);
+                sum + (luminance(draft.radiosity()[hit as usize]) - own).abs() / d2
+            });
+            sum / transport.rays as f32
+        })
+        .collect()
+}
+
+impl SurfaceMap {
+    /// Splits the leaves of a level that `wanted` names by the elements at their corners inside the region and
+    /// their longer side, m; whether any was.
+    pub(super) fn subdivide(&mut self, level: u8, wanted: impl Fn(&[usize], f32) -> bool) -> bool {
+        let mut grown = false;
+        let (charts, elements) = (&self.charts, &self.elements);
+        for (tree, chart) in self.trees.iter_mut().zip(charts) {
+            let Some(tree) = tree else { continue };
+            grown |= tree.split(level, |tree, leaf| {
+                let span = tree.span(leaf.level);
+                let side =
+                    (chart.step_u.length() * span[0] as f32).max(chart.step_v.length() * span[1] as f32);
+                let corners = tree.corners(leaf).map(|c| (chart.first_element + c) as usize);
+                let inside: Vec<usize> =
+                    corners.into_iter().filter(|&c| elements[c].flags & OUTSIDE == 0).collect();
+                wanted(&inside, side)
+            });
+        }
+        if grown {
+            self.mark_nodes();
+        }
+        grown
+    }
+
+    /// Flags the nodes that are to be solved, corners of leaves inside their region, and notes their levels.
+    pub(super) fn mark_nodes(&mut self) {
+        self.levels = vec![0; self.elements.len()];
+        for (tree, chart) in self.trees.iter().zip(&self.charts) {
+            let Some(tree) = tree else { continue };
+            for (node, level) in tree.levels().into_iter().enumerate() {
+                let element = chart.first_element as usize + node;
+                self.levels[element] = level.unwrap_or(MOST_LEVELS);
+                let flags = &mut self.elements[element].flags;
+                *flags &= OUTSIDE;
+                *flags |= match level {
+                    _ if *flags & OUTSIDE != 0 => UNSOLVED,
+                    Some(_) => 0,
+                    None => UNSOLVED | INTERPOLATED,
+                };
+            }
+        }
+    }
+
+    /// Nodes between corners and the solved corners they take their light from. Nodes with none stay away.
+    pub(super) fn between(&self) -> Vec<Between> {
+        let mut found = Vec::new();
+        for (tree, chart) in self.trees.iter().zip(&self.charts) {
+            let Some(tree) = tree else { continue };
+            let first = chart.first_element;
+            let mut taken = vec![false; (tree.nodes[0] * tree.nodes[1]) as usize];
+            let mut leaves: Vec<&Leaf> = tree.leaves.iter().collect();
+            leaves.sort_by_key(|leaf| std::cmp::Reverse(leaf.level));
+            for leaf in leaves {
+                let (span, corners) = (tree.span(leaf.level), tree.corners(leaf));
+                for b in 0..=span[1].min(tree.nodes[1] - 1) {
+                    for a in 0..=span[0].min(tree.nodes[0] - 1) {
+                        let node = (leaf.at[1] + b) * tree.nodes[0] + leaf.at[0] + a;
+                        let element = first + node;
+                        if std::mem::replace(&mut taken[node as usize], true)
+                            || self.elements[element as usize].flags & INTERPOLATED == 0
+                        {
+                            continue;
+                        }
+                        let (s, t) = (a as f32 / span[0] as f32, b as f32 / span[1] as f32);
+                        let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
+                        let (corners, mut weights): (Vec<u32>, Vec<f32>) = corners
+                            .iter()
+                            .zip(weights)
+                            .map(|(c, w)| (first + c, w))
+                            .filter(|(c, w)| *w > 0.0 && self.elements[*c as usize].flags & UNSOLVED == 0)
+                            .unzip();
+                        let sum: f32 = weights.iter().sum();
+                        if sum > 0.0 {
+                            weights.iter_mut().for_each(|w| *w /= sum);
+                            found.push(Between { element, corners, weights });
+                        }
+                    }
+                }
+            }
+        }
+        found
+    }
+}
