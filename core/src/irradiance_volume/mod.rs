@@ -34,6 +34,7 @@ pub mod dynamic_object;
 pub mod file;
 mod given;
 pub mod grid;
+pub mod guard;
 pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
@@ -69,12 +70,12 @@ use direct::Arrivals;
 use directions::Directions;
 use glam::{Vec2, Vec3};
 use grid::BilevelGrid;
+use guard::Guard;
 use harmonics::Harmonics;
 use moments::{MomentKernel, MomentTable};
 use rays::Patch;
 use std::sync::{Arc, OnceLock};
 use trust::{Fills, SampleState};
-use visibility::Guard;
 
 /// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
 #[derive(Clone, Debug)]

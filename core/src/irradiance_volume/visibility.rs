@@ -9,24 +9,20 @@
 //!
 //! Rays, and not distances remembered by the samples: the mean distance in a direction with Chebyshev's
 //! bound (Majercik et al. 2019) lets some per cent through and must blur over a bin 8° wide, while eight
-//! rays are exact. They are rarely needed: a cell whose box no standing triangle meets is convex and empty,
-//! so all its samples see all its points, and its queries cost what they did before.
+//! rays are exact. They are rarely needed: see [`guard`](super::guard).
 //!
 //! Limits: objects that can be moved do not hide samples, wherever they stand, so that an object is not
 //! hidden from the light by itself. Where a sample comes into sight, the interpolated light jumps.
 
 use super::{
-    IrradianceVolume, Sample, VolumeSettings,
-    grid::{BilevelGrid, NONE, cells_with_geometry},
+    IrradianceVolume, VolumeSettings,
+    grid::NONE,
+    guard::{Guard, PARTS},
     query::Corners,
-    trust::SampleState,
 };
-use crate::scene::{
-    accel::{Accel, Ray},
-    world::World,
-};
+use crate::scene::world::World;
 use glam::{UVec3, Vec3};
-use std::sync::Arc;
+use std::sync::OnceLock;
 
 /// Whether the samples of a query could be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,64 +36,6 @@ pub enum PointState {
     Borrowed,
     /// No sample near it sees it: dark, for want of anything to know it by.
     Unseen,
-}
-
-/// What stands in the way of samples.
-#[derive(Clone)]
-pub struct Guard {
-    standing: Arc<Accel>,
-    /// For each cell of the grid, whether no standing triangle meets its box.
-    open: Arc<Vec<bool>>,
-}
-
-impl std::fmt::Debug for Guard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Guard of {} cells", self.open.len())
-    }
-}
-
-impl Guard {
-    /// Of what stands still in a world.
-    fn new(world: &World, grid: &BilevelGrid, samples: &[Sample]) -> Self {
-        let geometry = &world.geometry;
-        let standing: Vec<[Vec3; 3]> = (0..geometry.len())
-            .filter(|&t| !geometry.movable[geometry.object[t] as usize])
-            .map(|t| geometry.positions[t])
-            .collect();
-        let (low, high) = grid.bounds();
-        let (size, inner) = (grid.size(), grid.inner());
-        let coarse = cells_with_geometry(low, high, size, &standing);
-        let fine_size = size * inner;
-        let fine = cells_with_geometry(low, high, fine_size, &standing);
-        let flat = |at: UVec3, size: UVec3| ((at.z * size.y + at.y) * size.x + at.x) as usize;
-        let unflat = |i: u32, size: UVec3| UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y));
-        let mut open: Vec<bool> = coarse.iter().map(|holds| !holds).collect();
-        open.resize(grid.cells().len(), true);
-        for (c, &first) in grid.second().iter().enumerate().filter(|(_, s)| **s != NONE) {
-            let origin = unflat(c as u32, size) * inner;
-            for s in 0..inner.pow(3) {
-                let at = origin + unflat(s, UVec3::splat(inner));
-                open[(first + s) as usize] = !fine[flat(at, fine_size)];
-            }
-        }
-        // A relocated sample is no corner of its cell: nothing is known without a ray.
-        for (open, cell) in open.iter_mut().zip(grid.cells()) {
-            *open &= cell.samples.iter().all(|&s| samples[s as usize].state != SampleState::Relocated);
-        }
-        Self { standing: Arc::new(world.accel.standing()), open: Arc::new(open) }
-    }
-
-    #[inline(always)]
-    pub(super) fn is_open(&self, cell: u32) -> bool {
-        self.open[cell as usize]
-    }
-
-    /// Whether nothing that stands lies between a sample and a point, ends not counted.
-    fn sees(&self, sample: Vec3, point: Vec3) -> bool {
-        // From the sample: the ray stops just short of the point, which may lie on a surface.
-        let ray = Ray::between(sample, point);
-        ray.is_degenerate() || !self.standing.occluded(&ray)
-    }
 }
 
 /// Cells beyond the grid over which a query fades from its border to the nearest sample: from, to. The
@@ -153,7 +91,11 @@ impl IrradianceVolume {
             && (outside > 0.0 || !guard.is_open(cell))
         {
             let sees = |id: u32| guard.sees(self.samples[id as usize].position, point);
-            seen = corners.ids.map(sees);
+            seen = if outside > 0.0 {
+                corners.ids.map(sees)
+            } else {
+                guard.seen(cell, corners.ids.map(|id| self.samples[id as usize].position), point)
+            };
             let hidden = (0..8).any(|i| !seen[i] && corners.weights[i] > 0.0);
             let kept: [f32; 8] = std::array::from_fn(|i| if seen[i] { corners.weights[i] } else { 0.0 });
             let sum: f32 = kept.iter().sum();
@@ -166,7 +108,10 @@ impl IrradianceVolume {
                 // On a face whose samples are hidden: the others of the cell, alike.
                 let count = (0..8).filter(|&i| may(i)).count() as f32;
                 corners.weights = std::array::from_fn(|i| if may(i) { 1.0 / count } else { 0.0 });
-            } else if let Some(near) = self.around(point).find(|&id| sees(id)) {
+            } else if let Some(near) = (outside > 0.0 || !self.is_dark(guard, cell, point))
+                .then(|| self.lender(guard, point))
+                .flatten()
+            {
                 corners = Corners::alone(near);
                 seen = [true; 8];
                 state = PointState::Borrowed;
@@ -189,27 +134,48 @@ impl IrradianceVolume {
         Careful { corners, seen, state }
     }
 
-    /// Valid samples of the first-level cells around a point, nearest first.
-    fn around(&self, point: Vec3) -> impl Iterator<Item = u32> + use<> {
+    /// Whether a point lies in a part of its cell of which nothing is seen: inside a solid, as a rule.
+    fn is_dark(&self, guard: &Guard, cell: u32, point: Vec3) -> bool {
+        let watched = &guard.cells[cell as usize];
+        let (at, part) = watched.part(point);
+        let parts = watched.dark.get_or_init(|| (0..PARTS.pow(3)).map(|_| OnceLock::new()).collect());
+        *parts[part].get_or_init(|| {
+            let step = watched.size / PARTS as f32;
+            let corner = watched.low + at.as_vec3() * step;
+            let places = (0..8u32).map(|c| UVec3::new(c & 1, c >> 1 & 1, c >> 2).as_vec3());
+            let mut places = places.chain([Vec3::splat(0.5)]).map(|p| corner + p * step);
+            places.all(|p| self.lender(guard, p).is_none())
+        })
+    }
+
+    /// The nearest sample in the first-level cells around a point that sees it, of a few.
+    fn lender(&self, guard: &Guard, point: Vec3) -> Option<u32> {
+        let (low, high) = self.grid.bounds();
+        let size = self.grid.size();
+        let at = ((point.clamp(low, high) - low) / self.grid.cell_size()).as_uvec3().min(size - 1);
+        let cell = (at.z * size.y + at.y) * size.x + at.x;
+        let near = guard.near[cell as usize].get_or_init(|| self.around(at));
+        let distance = |id: u32| self.samples[id as usize].position.distance_squared(point);
+        let mut found: Vec<(f32, u32)> = near.iter().map(|&id| (distance(id), id)).collect();
+        let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if found.len() > ASKED {
+            found.select_nth_unstable_by(ASKED, order);
+            found.truncate(ASKED);
+        }
+        found.sort_unstable_by(order);
+        found.into_iter().map(|f| f.1).find(|&id| guard.sees(self.samples[id as usize].position, point))
+    }
+
+    /// Valid samples of a first-level cell and those around it.
+    fn around(&self, at: UVec3) -> Vec<u32> {
         let grid = &self.grid;
-        let (low, high) = grid.bounds();
-        let last = grid.size().as_ivec3() - 1;
-        let at = ((point.clamp(low, high) - low) / grid.cell_size()).floor().as_ivec3();
-        let (from, to) = ((at - 1).max(glam::IVec3::ZERO), (at + 1).min(last));
-        let mut found: Vec<(f32, u32)> = Vec::new();
-        let mut add = |cell: u32| {
-            for &id in &grid.cells()[cell as usize].samples {
-                let sample = &self.samples[id as usize];
-                if sample.valid {
-                    found.push((sample.position.distance_squared(point), id));
-                }
-            }
-        };
+        let (from, to) = (at.saturating_sub(UVec3::ONE), (at + 1).min(grid.size() - 1));
+        let mut found: Vec<u32> = Vec::new();
+        let mut add = |cell: u32| found.extend(grid.cells()[cell as usize].samples);
         for z in from.z..=to.z {
             for y in from.y..=to.y {
                 for x in from.x..=to.x {
-                    let size = grid.size();
-                    let cell = (z as u32 * size.y + y as u32) * size.x + x as u32;
+                    let cell = (z * grid.size().y + y) * grid.size().x + x;
                     add(cell);
                     let second = grid.second()[cell as usize];
                     if second != NONE {
@@ -218,8 +184,9 @@ impl IrradianceVolume {
                 }
             }
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.retain(|&id| self.samples[id as usize].valid);
+        found.sort_unstable();
         found.dedup();
-        found.into_iter().take(ASKED).map(|f| f.1)
+        found
     }
 }
