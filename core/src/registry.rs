@@ -12,7 +12,7 @@ use crate::{
         slice,
     },
     math::part::Part,
-    radiosity::inspect as radiosity,
+    radiosity::{inspect as radiosity, inspect_trees as layout},
     transport::LightTransportSolution,
 };
 
@@ -175,6 +175,34 @@ pub const VIEWS: &[ViewRow] = &[
         title: "Radiosity residual",
         tooltip: "How far each element is from balance: |B − ρ (E_direct + Σ T B)| in lx after the last sweep.",
         build: |input| Some(radiosity::residual(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
+        id: "radiosity.quadtrees",
+        systems: &["B2"],
+        title: "Radiosity quadtrees",
+        tooltip: "Leaves of the quadtrees on flat surfaces, brighter the finer; red crosses are T-vertices, corners inside an edge of a coarser neighbour. Shown where the plan subdivides elements.",
+        build: |input| layout::quadtrees(&input.solution.radiosity),
+    },
+    ViewRow {
+        id: "radiosity.texel_density",
+        systems: &["B3"],
+        title: "Texel density",
+        tooltip: "Texels a metre of the light on surfaces: 1/√A of a grid's cell, or of the area a vertex element stands for.",
+        build: |input| Some(layout::texel_density(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
+        id: "radiosity.second_difference",
+        systems: &["B4"],
+        title: "Mach bands",
+        tooltip: "Second difference of irradiance between texels, the sum of four neighbours less four times the texel, in lx: where bilinear lookup creases and the eye sees bands.",
+        build: |input| Some(layout::second_difference(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
+        id: "radiosity.links",
+        systems: &["B2"],
+        title: "Exchange of light",
+        tooltip: "Lines from the element nearest to the probe to those it takes most light from: B/N for each of its N gather rays that met one of radiosity B, in lx.",
+        build: |input| layout::links(&input.solution.radiosity, input.probe?.position),
     },
 ];
 

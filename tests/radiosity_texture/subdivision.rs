@@ -3,7 +3,9 @@
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{colour::luminance, part::Part, progress::Progress, random::Rng},
-    radiosity::{RadiositySettings, RadiositySolution, subdivide::Subdivision, surface_map::UNSOLVED},
+    radiosity::{
+        RadiositySettings, RadiositySolution, inspect_trees, subdivide::Subdivision, surface_map::UNSOLVED,
+    },
     scene::{Scene, world::World},
 };
 use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse};
@@ -79,6 +81,19 @@ fn trees_are_split_where_surfaces_meet_and_their_light_is_continuous() {
             .hits
             .iter()
             .all(|&h| { map.elements.get(h as usize).is_none_or(|e| e.flags & UNSOLVED == 0) })
+    );
+    let view = inspect_trees::quadtrees(&solution).expect("there are trees");
+    assert!(
+        view.lines.len() > 4 * 100 && view.notes.iter().any(|n| n.ends_with(" T-vertices")),
+        "{:?}",
+        view.notes
+    );
+    // The links of an element carry the light it takes from others.
+    let links = inspect_trees::links(&solution, Vec3::new(2.5, 0.0, 2.0)).expect("an element");
+    assert!(
+        !links.lines.is_empty() && links.notes[0].contains(" lx from other elements"),
+        "{:?}",
+        links.notes
     );
     // The balance closes as it does on uniform grids: 1 % of noise.
     let energy = solution.energy();

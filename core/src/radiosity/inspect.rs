@@ -9,7 +9,7 @@ use crate::{
 use glam::Vec3;
 
 /// How far lines and colours stand off the surface, in element spacings.
-const LIFT_SPACINGS: f32 = 0.02;
+pub(super) const LIFT_SPACINGS: f32 = 0.02;
 
 /// The grids of elements as lines, cut to their nodes; unsolved nodes are left out.
 pub fn wireframe(solution: &RadiositySolution) -> InspectionScene {
@@ -75,7 +75,8 @@ pub fn statistics(solution: &RadiositySolution) -> Vec<String> {
     ]
 }
 
-fn coloured(
+/// Values of the elements as colours of the surfaces.
+pub(super) fn coloured(
     solution: &RadiositySolution,
     world: &World,
     values: &[Vec3],

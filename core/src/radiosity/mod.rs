@@ -16,6 +16,7 @@ mod direct_light;
 mod footprint;
 pub mod gather;
 pub mod inspect;
+pub mod inspect_trees;
 mod layout;
 pub mod lookup;
 pub mod smooth;

@@ -32,6 +32,12 @@ pub struct Subdivision {
     pub tolerance: f32,
 }
 
+impl Default for Subdivision {
+    fn default() -> Self {
+        Self { levels: 1, tolerance: 0.1 }
+    }
+}
+
 /// Share of the mean irradiance below which a leaf's own no longer sets the scale.
 const FLOOR_SHARE: f32 = 0.05;
 

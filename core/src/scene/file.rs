@@ -119,6 +119,8 @@ pub struct AreaLampEntry {
 pub struct PlanOverrides {
     /// Distance between radiosity elements, m.
     pub element_spacing_m: Option<f32>,
+    /// Times that a cell of that size may be split where light bends, 0 to 4.
+    pub element_levels: Option<u8>,
     /// Gather rays an element.
     pub gather_rays: Option<u32>,
     /// Shadow rays an area emitter and element.
@@ -151,6 +153,9 @@ impl PlanOverrides {
         let spacing = self.element_spacing_m.filter(|s| !(s.is_finite() && *s > 0.0));
         if let Some(spacing) = spacing {
             return Some(("element_spacing_m", spacing.to_string()));
+        }
+        if let Some(levels) = self.element_levels.filter(|levels| *levels > 4) {
+            return Some(("element_levels", levels.to_string()));
         }
         let counts = [
             ("gather_rays", self.gather_rays),

@@ -13,7 +13,7 @@ pub use component::{Component, ExpectedError, PlanLine};
 use crate::{
     irradiance_volume::VolumeSettings,
     mirror::{MOST_VIEWS, MirrorSettings, reflectors::Reflectors},
-    radiosity::{RadiositySettings, surface_map::ElementLayout},
+    radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
     scene::{Scene, emitters::Emitter, file::PlanOverrides, world::World},
     transport::live::SolveSettings,
 };
@@ -76,6 +76,8 @@ impl Plan {
             over.gather_rays.unwrap_or(scaled(radiosity.gather_rays, 16.0, MOST_GATHER_RAYS));
         radiosity.shadow_rays = over.shadow_rays.unwrap_or(scaled(radiosity.shadow_rays, 4.0, 256.0));
         radiosity.element_spacing_m = over.element_spacing_m;
+        let levels = over.element_levels.filter(|levels| *levels > 0);
+        radiosity.subdivision = levels.map(|levels| Subdivision { levels, ..Subdivision::default() });
         if !needs.reflects {
             radiosity.gather_rays = 1;
         }

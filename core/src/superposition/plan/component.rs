@@ -45,9 +45,13 @@ impl Component {
         match self {
             Self::Emitted => over,
             Self::Direct => PlanOverrides { direct_samples: None, ..over },
-            Self::Radiosity => {
-                PlanOverrides { element_spacing_m: None, gather_rays: None, shadow_rays: None, ..over }
-            }
+            Self::Radiosity => PlanOverrides {
+                element_spacing_m: None,
+                element_levels: None,
+                gather_rays: None,
+                shadow_rays: None,
+                ..over
+            },
             Self::Mirror => PlanOverrides { mirror_depth: None, ..over },
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,
