@@ -3,6 +3,7 @@
 pub mod math;
 pub mod scene;
 
+pub mod glossy;
 pub mod irradiance_volume;
 pub mod mirror;
 pub mod radiosity;

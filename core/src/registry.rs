@@ -1,6 +1,7 @@
 //! The only file that names every room: one row a view, for the program, the command line and the tour.
 
 use crate::{
+    glossy::inspect::kernel,
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
@@ -12,6 +13,7 @@ use crate::{
         slice,
     },
     math::part::Part,
+    mirror::{MirrorSettings, inspect as mirror},
     radiosity::{inspect as radiosity, inspect_trees as layout},
     transport::LightTransportSolution,
 };
@@ -151,6 +153,33 @@ pub const VIEWS: &[ViewRow] = &[
             let (low, high) = input.solution.world.geometry.bounds();
             let reach_m = LOBE_REACH * (high - low).length();
             Some(lobe_scene(input.probe?, Quantity::Irradiance, input.volume.part, reach_m))
+        },
+    },
+    ViewRow {
+        id: "mirror.reflectors",
+        systems: &["B7"],
+        title: "Flat reflectors",
+        tooltip: "Outlines of the flat pieces of polished material, with how many mirrored views the scene's camera needs of each: orange where there are any. A reflector that faces away or is out of the picture needs none.",
+        build: |input| {
+            let s = input.solution;
+            Some(mirror::reflectors(&s.world.geometry, MirrorSettings::of(&s.scene.plan), &s.scene.camera))
+        },
+    },
+    ViewRow {
+        id: "mirror.reflectance",
+        systems: &["B10"],
+        title: "Reflectance by angle",
+        tooltip: "How much each polished material reflects, from the normal (the middle of its map) to grazing (the rim): the Fresnel equation of an index fitted to the reflectance at normal incidence, per channel.",
+        build: |input| mirror::reflectance(&input.solution.world.geometry),
+    },
+    ViewRow {
+        id: "glossy.kernel",
+        systems: &["B13", "B14", "B15"],
+        title: "Kernel of a glossy surface",
+        tooltip: "Where the lobe of a glossy point meets the scene, seen from the scene's camera and coloured by f(ω, ω') cos θ' over its peak; the lobe as a solid; beside it the kernel as an image, and its spectrum with the sampling it needs. The point is that of the glossy surface nearest to the open probe, else the middle of the largest.",
+        build: |input| {
+            let s = input.solution;
+            kernel(&s.world, s.scene.camera.eye, input.probe.map(|p| p.position))
         },
     },
     ViewRow {

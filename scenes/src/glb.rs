@@ -8,7 +8,7 @@ use crate::shapes::Shape;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Diffuse material, in linear Rec. 709.
+/// A material, in linear Rec. 709; diffuse unless polished.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name shown.
@@ -23,6 +23,8 @@ pub struct Material {
     pub radiance_picture: Option<usize>,
     /// Whether the back is lit too.
     pub double_sided: bool,
+    /// Metallic factor and roughness; rough and no metal by default.
+    pub polish: [f64; 2],
 }
 
 impl Material {
@@ -35,7 +37,13 @@ impl Material {
             radiance: [0.0; 3],
             radiance_picture: None,
             double_sided: false,
+            polish: [0.0, 1.0],
         }
+    }
+
+    /// The same as a metal or under a coat, of a roughness.
+    pub fn polished(self, metallic: f64, roughness: f64) -> Self {
+        Self { polish: [metallic, roughness], ..self }
     }
 
     /// The same, emitting `radiance` cd/m².
@@ -253,7 +261,11 @@ fn material(material: &Material) -> Value {
     if let Some(picture) = material.picture {
         pbr["baseColorTexture"] = json!({ "index": picture });
     }
-    pbr["metallicFactor"] = json!(0.0);
+    let [metallic, roughness] = material.polish;
+    pbr["metallicFactor"] = json!(metallic);
+    if roughness < 1.0 {
+        pbr["roughnessFactor"] = json!(roughness);
+    }
     value["pbrMetallicRoughness"] = pbr;
     value
 }

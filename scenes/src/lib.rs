@@ -10,6 +10,7 @@ pub mod cornell;
 pub mod glb;
 pub mod office;
 pub mod pictures;
+pub mod polished;
 pub mod random;
 pub mod shapes;
 pub mod wall;
@@ -24,5 +25,6 @@ pub fn generate() -> Vec<(PathBuf, Vec<u8>)> {
     files.extend(cornell::files());
     files.extend(analytic::files());
     files.extend(walls::files());
+    files.extend(polished::files());
     files
 }

@@ -149,3 +149,15 @@ pub fn dusk() -> Vec<u8> {
         if lit { [0.98, 0.80, 0.45] } else { [0.13, 0.16, 0.26] }
     })
 }
+
+/// Squares of light and dark with a few warm ones, eight by four.
+pub fn checks() -> Vec<u8> {
+    png(64, 32, |x, y| {
+        let (column, row) = ((x * 8.0) as i32, (y * 4.0) as i32);
+        match (column + row) % 2 {
+            0 => [0.90, 0.89, 0.86],
+            _ if (column * 3 + row) % 5 == 0 => [0.70, 0.22, 0.12],
+            _ => [0.16, 0.17, 0.20],
+        }
+    })
+}

@@ -119,7 +119,12 @@ fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u) {
                 value = wide_reflection(surface, -direction);
             } else {
                 let arriving = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
-                value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
+                if layers[state + 7u] < 0.0 {
+                    // Convolved, with the reflectance of its lobe.
+                    value = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]) * arriving;
+                } else {
+                    value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
+                }
             }
             if specular.alpha == 0.0 {
                 mirror = value;

@@ -27,11 +27,16 @@ fn fresnel(normal_reflectance: f32, cos_theta: f32) -> f32 {
 
 // Twin of `Specular::reflectance`.
 fn specular_reflectance(specular: Specular, cos_theta: f32) -> vec3f {
+    return specular_reflectance_at(specular, cos_theta, cos_theta);
+}
+
+// Twin of `Specular::reflectance_at`.
+fn specular_reflectance_at(specular: Specular, metal_cosine: f32, coat_cosine: f32) -> vec3f {
     let metal = vec3f(
-        fresnel(specular.metal.x, cos_theta),
-        fresnel(specular.metal.y, cos_theta),
-        fresnel(specular.metal.z, cos_theta));
-    let coat = fresnel(specular.dielectric, cos_theta);
+        fresnel(specular.metal.x, metal_cosine),
+        fresnel(specular.metal.y, metal_cosine),
+        fresnel(specular.metal.z, metal_cosine));
+    let coat = fresnel(specular.dielectric, coat_cosine);
     return specular.metallic * metal + vec3f((1.0 - specular.metallic) * coat);
 }
 

@@ -1,4 +1,6 @@
 //! Specular reflection: materials, mirrors, glossy surfaces.
 
 mod brdf;
+mod glossy;
 mod planar;
+mod views;

@@ -32,7 +32,7 @@ fn mirror(normal_reflectance: Vec3) -> Material {
 
 /// A floor at a right angle to a golden mirror, a dark block on it, and a lamp beside the mirror that shines
 /// away from it: the floor's image is in its own plane, so light arrives everywhere straight from the lamp.
-fn floor_and_mirror() -> Scene {
+pub fn floor_and_mirror() -> Scene {
     let mut scene = Scene::default();
     let floor = rectangle(Vec3::new(0.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
     add(&mut scene, "floor", floor, diffuse("floor", Vec3::new(0.6, 0.5, 0.4), Vec3::ZERO));

@@ -3,6 +3,7 @@
 mod compare;
 mod copies;
 mod cost;
+mod glossy;
 mod headless;
 mod irradiance;
 mod page;
@@ -114,6 +115,9 @@ enum Job {
     /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
     #[command(after_help = "Example: lumenscope textures --out out --samples 5")]
     Textures(textures::Options),
+    /// Ways of convolving what glossy surfaces mirror, judged against the path tracer by roughness.
+    #[command(after_help = "Example: lumenscope glossy scenes/glossy/teapot.ron --out out")]
+    Glossy(glossy::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
     Check {
@@ -153,6 +157,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),
         Some(Job::Textures(options)) => textures::run(&options),
+        Some(Job::Glossy(options)) => glossy::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
     }

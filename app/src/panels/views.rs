@@ -5,6 +5,7 @@ use crate::{
     command::Command,
     pipeline::SPHERES,
     session::{Session, VolumeView},
+    widgets::beside,
 };
 use egui::{ComboBox, Grid, Slider, Ui};
 use lumenscope_core::{
@@ -49,6 +50,7 @@ pub fn show(
         for note in &inspection.notes {
             ui.add(egui::Label::new(egui::RichText::new(note).weak().small()).wrap());
         }
+        beside::show(ui, inspection);
     });
 }
 

@@ -95,7 +95,7 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             }
         });
         let curves = session.inspection.iter().flat_map(|i| &i.curves);
-        curves.filter(|c| !c.radial).for_each(|curve| histogram(ui, curve));
+        curves.filter(|c| crate::widgets::beside::is_histogram(c)).for_each(|curve| histogram(ui, curve));
     });
 }
 

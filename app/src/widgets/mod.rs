@@ -1,5 +1,6 @@
 //! Widgets that show a quantity of light: legends, spheres, plots, tables.
 
+pub mod beside;
 pub mod legend;
 pub mod moments;
 pub mod number;

@@ -141,7 +141,7 @@ impl GpuRenderer {
     ) -> Result<(), GpuError> {
         self.accumulated = 0;
         if self.scene.upload(device, queue, solution)? {
-            self.bind(device);
+            self.bind(device, queue);
         }
         Ok(())
     }
@@ -173,7 +173,7 @@ impl GpuRenderer {
         if size != self.targets.size || specular != self.targets.specular() {
             self.targets = Targets::new(device, self.format, size, specular);
             self.accumulated = 0;
-            self.bind(device);
+            self.bind(device, queue);
         }
         if !settings.accumulate || settings.frame_index == 0 {
             self.accumulated = 0;
@@ -201,7 +201,7 @@ impl GpuRenderer {
             let mirror = self
                 .mirror
                 .get_or_insert_with(|| MirrorPasses::new(device, &self.scene, &self.frame, &self.targets));
-            mirror.record(queue, encoder, &self.scene, &self.targets, &settings);
+            mirror.record((device, queue), encoder, &self.scene, (&self.frame, &self.targets), &settings);
         }
         self.record_composite(encoder);
         self.inspection.record(encoder, &self.targets);
@@ -278,7 +278,7 @@ impl GpuRenderer {
         Ok(pixels.into_iter().map(|p| u32::from_le_bytes(p).wrapping_sub(1)).collect())
     }
 
-    fn bind(&mut self, device: &wgpu::Device) {
+    fn bind(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
         [self.visibility_group, self.shade_group, self.composite_group] = groups(
             device,
             [&self.visibility_layout, &self.shade_layout, &self.composite_layout],
@@ -287,7 +287,7 @@ impl GpuRenderer {
             self.scene.triangles(),
         );
         if let Some(mirror) = &mut self.mirror {
-            mirror.bind(device, &self.frame, &self.targets);
+            mirror.bind(device, queue, &self.frame, &self.targets);
         }
     }
 

@@ -9,8 +9,12 @@ use super::{
     tables,
 };
 use crate::{
-    mirror::reflectors::Reflectors, radiosity::lookup::SideMap, scene::geometry::Geometry,
-    superposition::moved::MovedLight, transport::LightTransportSolution,
+    glossy::pass::{Lobes, lobes},
+    mirror::reflectors::Reflectors,
+    radiosity::lookup::SideMap,
+    scene::geometry::Geometry,
+    superposition::moved::MovedLight,
+    transport::LightTransportSolution,
 };
 use std::sync::Arc;
 
@@ -50,19 +54,27 @@ enum Table {
     MovedLight,
 }
 
+/// Tables that `shaders/shared/scene.wgsl` names: corners to texels.
+const SURFACE_TABLES: usize = 6;
+
 /// A solution on the device.
 pub(crate) struct SceneTables {
     storage: [Storage; 14],
     last: Option<LightTransportSolution>,
     reflectors: Reflectors,
+    lobes: Lobes,
     /// Layout of all tables, for shading.
     pub(crate) layout: wgpu::BindGroupLayout,
     /// Layout of corners, triangles and materials, for rasterising.
     pub(crate) raster_layout: wgpu::BindGroupLayout,
+    /// Layout of what a surface and its material need, for compute passes.
+    pub(crate) surface_layout: wgpu::BindGroupLayout,
     /// All tables.
     pub(crate) group: wgpu::BindGroup,
     /// Corners, triangles and materials.
     pub(crate) raster_group: wgpu::BindGroup,
+    /// What a surface and its material need.
+    pub(crate) surface_group: wgpu::BindGroup,
     /// Numbers of emitters and trees.
     pub(crate) counts: [u32; 2],
 }
@@ -74,11 +86,16 @@ impl SceneTables {
         let all: Vec<_> = (0..14).map(|i| (i, Binding::Table)).collect();
         let layout_all = layout(device, "scene", wgpu::ShaderStages::COMPUTE, &all);
         let raster_layout = layout(device, "raster", wgpu::ShaderStages::VERTEX_FRAGMENT, &all[..3]);
+        let surface_layout = layout(device, "surfaces", wgpu::ShaderStages::COMPUTE, &all[..SURFACE_TABLES]);
+        let surface_group = self::group(device, &surface_layout, &storage[..SURFACE_TABLES]);
         let group = group(device, &layout_all, &storage);
         let raster_group = self::group(device, &raster_layout, &storage[..3]);
         Self {
             storage,
             last: None,
+            surface_layout,
+            surface_group,
+            lobes: Lobes::default(),
             reflectors: Reflectors::default(),
             layout: layout_all,
             raster_layout,
@@ -101,6 +118,11 @@ impl SceneTables {
     /// Its flat reflectors.
     pub(crate) fn reflectors(&self) -> &Reflectors {
         &self.reflectors
+    }
+
+    /// Lobes of the glossy ones.
+    pub(crate) fn lobes(&self) -> &Lobes {
+        &self.lobes
     }
 
     /// Whether anything has a specular lobe.
@@ -185,6 +207,10 @@ impl SceneTables {
         if renewed {
             self.group = group(device, &self.layout, &self.storage);
             self.raster_group = group(device, &self.raster_layout, &self.storage[..3]);
+            self.surface_group = group(device, &self.surface_layout, &self.storage[..SURFACE_TABLES]);
+        }
+        if reflectors != self.reflectors || known.is_none() {
+            self.lobes = lobes(world, &reflectors);
         }
         self.reflectors = reflectors;
         // Held so that what its pointers name cannot be freed and reused.

@@ -67,6 +67,20 @@ pub const MIRROR_FOLLOW: Program = Program {
     ],
 };
 
+/// The glossy layer.
+pub const GLOSSY: Program = Program {
+    name: "glossy",
+    files: &[
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/scene.wgsl"),
+        wgsl!("shared/reflection.wgsl"),
+        wgsl!("mirror/views.wgsl"),
+        wgsl!("glossy/lobes.wgsl"),
+        wgsl!("glossy/pyramid.wgsl"),
+        wgsl!("glossy/convolve.wgsl"),
+    ],
+};
+
 /// From layers to display.
 pub const COMPOSITE: Program = Program {
     name: "composite",
@@ -89,7 +103,8 @@ pub const INSPECTION: Program = Program {
 };
 
 /// Every program.
-pub const ALL: [Program; 6] = [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, COMPOSITE, INSPECTION];
+pub const ALL: [Program; 7] =
+    [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, GLOSSY, COMPOSITE, INSPECTION];
 
 impl Program {
     /// Its whole source.

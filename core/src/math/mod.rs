@@ -2,6 +2,7 @@
 
 pub mod colour;
 pub mod false_colour;
+pub mod fourier;
 pub mod frame;
 pub mod image;
 pub mod moment;

@@ -10,8 +10,8 @@
 //! leaks. FLIP and not this one knows colour and edges; this one keeps published figures comparable.
 
 use super::{MeasureError, check};
-use crate::math::{colour::luminance, image::LinearImage};
-use rustfft::{FftPlanner, num_complex::Complex};
+use crate::math::{colour::luminance, fourier::transform, image::LinearImage};
+use rustfft::num_complex::Complex;
 
 /// Contrast sensitivity at `frequency`, cycles/degree, relative to a peak near 1 at 8 cycles/degree:
 /// A(f) = 2.6 (0.0192 + 0.114 f) exp(−(0.114 f)^1.1) (Mannos and Sakrison 1974).
@@ -33,7 +33,7 @@ pub fn difference(
     let (a, b) = (lightness(image), lightness(reference));
     let mut spectrum: Vec<Complex<f64>> = a.iter().zip(&b).map(|(a, b)| Complex::new(a - b, 0.0)).collect();
     let (w, h) = (image.width as usize, image.height as usize);
-    transform(&mut spectrum, w, h);
+    transform(&mut spectrum, w, h, true);
     let frequency = |i: usize, n: usize| {
         let signed = if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
         signed / n as f64 * f64::from(pixels_per_degree)
@@ -54,21 +54,4 @@ fn lightness(image: &LinearImage) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let scale = if mean > 0.0 { 1.0 / mean } else { 0.0 };
     values.iter().map(|v| (v * scale).cbrt()).collect()
-}
-
-/// Two-dimensional Fourier transform, unnormalised, rows then columns.
-fn transform(values: &mut [Complex<f64>], w: usize, h: usize) {
-    let mut planner = FftPlanner::new();
-    planner.plan_fft_forward(w).process(values);
-    let columns = planner.plan_fft_forward(h);
-    let mut column = vec![Complex::new(0.0, 0.0); h];
-    for x in 0..w {
-        for (y, value) in column.iter_mut().enumerate() {
-            *value = values[y * w + x];
-        }
-        columns.process(&mut column);
-        for (y, value) in column.iter().enumerate() {
-            values[y * w + x] = *value;
-        }
-    }
 }

@@ -8,6 +8,7 @@ use super::{
     MOST_VIEWS, MirrorSettings,
     views::{Eye, MirroredView, Rectangle, mirrored_views},
 };
+use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
     frame::FrameSettings,
     renderer::{compute_pipeline, render_pipeline},
@@ -91,6 +92,8 @@ pub struct MirrorPasses {
     follow_elements: wgpu::ComputePipeline,
     reflect: wgpu::ComputePipeline,
     sized: Sized,
+    /// Passes of what is glossy, made when something first is.
+    glossy: Option<GlossyPasses>,
     views_drawn: usize,
 }
 
@@ -151,14 +154,24 @@ impl MirrorPasses {
             follow_elements,
             reflect,
             sized,
+            glossy: None,
             views_drawn: 0,
         }
     }
 
     /// Follows targets of another size.
-    pub(crate) fn bind(&mut self, device: &wgpu::Device, frame: &wgpu::Buffer, targets: &Targets) {
+    pub(crate) fn bind(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+    ) {
         let layouts = [&self.raster_layout, &self.follow_layout];
         self.sized = Sized::new(device, layouts, [frame, &self.views], targets);
+        if let Some(glossy) = &mut self.glossy {
+            glossy.bind(device, queue, frame, targets);
+        }
     }
 
     /// Views of the last frame: a draw of the scene each.
@@ -169,10 +182,10 @@ impl MirrorPasses {
     /// Records the passes of one frame, after those of the picture.
     pub(crate) fn record(
         &mut self,
-        queue: &wgpu::Queue,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneTables,
-        targets: &Targets,
+        (frame, targets): (&wgpu::Buffer, &Targets),
         settings: &FrameSettings,
     ) {
         let Some(solution) = scene.solution() else { return };
@@ -197,6 +210,12 @@ impl MirrorPasses {
         for depth in 1..=views.last().map_or(0, |v| v.depth) {
             self.record_depth(encoder, scene, targets.size, &views, depth);
             self.dispatch(encoder, follow, &self.sized.mirrored_group, scene, targets.size);
+        }
+        let method = solution.scene.plan.glossy.unwrap_or_default();
+        if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
+            let glossy =
+                self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
+            glossy.record(queue, encoder, scene, scene.lobes());
         }
         self.dispatch(encoder, &self.reflect, &self.sized.picture_group, scene, targets.size);
     }

@@ -19,6 +19,7 @@
 use crate::scene::file::PlanOverrides;
 
 pub mod gpu;
+pub mod inspect;
 pub mod pass;
 pub mod reflectors;
 pub mod views;

@@ -37,8 +37,13 @@ impl Specular {
     /// Reflectance F per channel at an angle of incidence with this cosine, in [0, 1]: what modulates a
     /// mirror image. Has a twin in `shaders/shared/reflection.wgsl`.
     pub fn reflectance(&self, cos_theta: f32) -> Vec3 {
-        let coat = fresnel::reflectance(self.dielectric, cos_theta);
-        self.metallic * fresnel::reflectance_rgb(self.metal, cos_theta)
+        self.reflectance_at(cos_theta, cos_theta)
+    }
+
+    /// [`Self::reflectance`] with an angle for the metal and one for the coat.
+    pub fn reflectance_at(&self, metal_cosine: f32, coat_cosine: f32) -> Vec3 {
+        let coat = fresnel::reflectance(self.dielectric, coat_cosine);
+        self.metallic * fresnel::reflectance_rgb(self.metal, metal_cosine)
             + Vec3::splat((1.0 - self.metallic) * coat)
     }
 
@@ -167,7 +172,7 @@ impl Lobe {
             Self::Ggx { alpha } => {
                 let h = (wi + wo).normalize_or_zero();
                 let g = 1.0 / (1.0 + smith(ci, alpha) + smith(co, alpha));
-                ggx(normal.dot(h), alpha) * g / (4.0 * ci * co)
+                ggx(normal, h, alpha) * g / (4.0 * ci * co)
             }
             Self::Phong { exponent } => {
                 let c = mirrored(wo, normal).dot(wi);
@@ -185,7 +190,7 @@ impl Lobe {
         match self {
             Self::Ggx { alpha } => {
                 let h = (wi + wo).normalize_or_zero();
-                ggx(normal.dot(h), alpha) / ((1.0 + smith(co, alpha)) * 4.0 * co)
+                ggx(normal, h, alpha) / ((1.0 + smith(co, alpha)) * 4.0 * co)
             }
             Self::Phong { exponent } => {
                 let c = mirrored(wo, normal).dot(wi);
@@ -228,14 +233,15 @@ impl Lobe {
     }
 }
 
-/// GGX distribution of normals, 1/sr: α² / (π ((α² − 1) cos² + 1)²).
-fn ggx(cos: f32, alpha: f32) -> f32 {
+/// GGX distribution of normals, 1/sr: α² / (π (cos² α² + sin²)²), the sine taken by itself: 1 − cos² of a
+/// narrow lobe would be rounding in single precision.
+fn ggx(normal: Vec3, h: Vec3, alpha: f32) -> f32 {
+    let cos = normal.dot(h);
     if cos <= 0.0 {
         return 0.0;
     }
     let a2 = alpha * alpha;
-    // 1 − cos² from the sine would be more exact; α ≥ 0.0025 needs it not.
-    let d = cos * cos * (a2 - 1.0) + 1.0;
+    let d = cos * cos * a2 + normal.cross(h).length_squared();
     a2 / (PI * d * d)
 }
 

@@ -3,6 +3,7 @@
 use super::{
     MeasuringPlane,
     camera::Camera,
+    glossy::GlossyMethod,
     volume::{Basis, Repair},
 };
 use crate::math::moment::Order;
@@ -129,6 +130,8 @@ pub struct PlanOverrides {
     pub direct_samples: Option<u32>,
     /// Mirrors that light is followed through on its way to the eye; 0 shows none.
     pub mirror_depth: Option<u32>,
+    /// How the layer `glossy` is made of the mirror image.
+    pub glossy: Option<GlossyMethod>,
     /// Whether an irradiance volume is built.
     pub volume: Option<bool>,
     /// Samples along each axis of the volume's first level.

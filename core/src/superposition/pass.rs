@@ -12,12 +12,13 @@ use super::{
     moved::MovedLight,
 };
 use crate::{
+    glossy::pass::{GlossyFrame, lobes},
     math::{
         part::Part,
         random::{hash2, r2_point},
     },
     mirror::{
-        pass::{MirrorImage, mirror_image},
+        pass::mirror_image,
         reflectors::{NO_REFLECTOR, Reflectors},
     },
     reference::path::receiver_of,
@@ -87,7 +88,10 @@ pub fn render(
     if shading.specular {
         let reflectors = Reflectors::new(&solution.world.geometry);
         if let Some(image) = mirror_image(&shading, &reflectors, &buffer, camera, settings) {
-            reflect(&image, &shading, &buffer, camera, &mut shaded);
+            let lobes = lobes(&solution.world, &reflectors);
+            let frame =
+                GlossyFrame::new(&solution.world, &reflectors, &lobes, &image, &buffer, camera, settings);
+            reflect(&frame, &shading, camera, &mut shaded);
         }
     }
     let mut layers = Layers::new(width, height);
@@ -97,26 +101,26 @@ pub fn render(
     (buffer, layers)
 }
 
-/// Puts what arrives at flat reflectors into their layers: L = F(θ) Lᵢ.
-fn reflect(
-    image: &MirrorImage,
-    shading: &Shading,
-    buffer: &GBuffer,
-    camera: &Camera,
-    shaded: &mut [[Vec3; COUNT]],
-) {
+/// Puts what arrives at flat reflectors into their layers: L = F(θ) Lᵢ for a mirror, E(θ) F(θ̄) times the mean
+/// over the lobe for a glossy one.
+fn reflect(frame: &GlossyFrame, shading: &Shading, camera: &Camera, shaded: &mut [[Vec3; COUNT]]) {
     use rayon::prelude::*;
     let world = &shading.solution.world;
-    shaded.par_iter_mut().enumerate().filter(|(p, _)| image.reflector[*p] != NO_REFLECTOR).for_each(
-        |(pixel, out)| {
-            let Some(surface) = buffer.surface(world, camera, pixel) else { return };
-            let Some(specular) = world.geometry.brdf(&surface).specular else { return };
-            let wo = (camera.eye - surface.position).normalize_or(surface.normal);
-            let value = specular.reflectance(wo.dot(surface.geometric_normal)) * image.radiance[pixel];
-            let layer = if specular.is_mirror() { Layer::Mirror } else { Layer::Glossy };
-            out[layer as usize] = value;
-        },
-    );
+    let method = shading.solution.scene.plan.glossy.unwrap_or_default();
+    let radiance = if frame.lobes.is_empty() { None } else { Some(frame.scattered(method)) };
+    let radiance = radiance.as_ref().unwrap_or(&frame.image.radiance);
+    let mirrored = |pixel: usize| frame.image.reflector[pixel] != NO_REFLECTOR;
+    shaded.par_iter_mut().enumerate().filter(|(pixel, _)| mirrored(*pixel)).for_each(|(pixel, out)| {
+        let Some(surface) = frame.buffer.surface(world, camera, pixel) else { return };
+        let Some(specular) = world.geometry.brdf(&surface).specular else { return };
+        let wo = (camera.eye - surface.position).normalize_or(surface.normal);
+        let cos_theta = wo.dot(surface.geometric_normal);
+        let (layer, share) = match frame.lobes.get(&specular.alpha.to_bits()) {
+            Some(lobe) => (Layer::Glossy, lobe.modulation(&specular, cos_theta)),
+            None => (Layer::Mirror, specular.reflectance(cos_theta)),
+        };
+        out[layer as usize] = share * radiance[pixel];
+    });
 }
 
 /// A solution with what shading it needs, for one frame.

@@ -1,0 +1,216 @@
+//! Spatially variant convolution on the GPU: twin of [`super::variant`].
+//!
+//! The pyramid is built in compute passes, a level each, and read in one. It stands between the passes that
+//! follow mirrored rays and the one that puts them into the layers ([`crate::mirror::gpu`]).
+
+use super::{
+    lobes::ANGLES,
+    pass::{Lobes, MOST_LOBES},
+    pyramid::{MOST_LEVELS, level_size},
+};
+use crate::gpu::{
+    renderer::compute_pipeline,
+    scene::SceneTables,
+    shaders,
+    storage::{Binding, bind, layout, uniform},
+    targets::Targets,
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec4;
+
+/// `Texel` of `shaders/glossy/pyramid.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct TexelInfo {
+    /// Mean radiance that arrives, cd/m².
+    pub radiance: glam::Vec3,
+    /// 1 over the distance from the eye, 1/m.
+    pub nearness: f32,
+    /// Share of its pixels that show the reflector.
+    pub coverage: f32,
+    /// The reflector.
+    pub reflector: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `LevelInfo` of `shaders/glossy/pyramid.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct LevelInfo {
+    /// Its first texel.
+    pub first: u32,
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// Nothing.
+    pub padding: u32,
+}
+
+/// `LobeTables` of `shaders/glossy/lobes.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LobeTables {
+    /// Width α of each lobe in x.
+    pub alpha: [Vec4; MOST_LOBES],
+    /// Albedo, cosine for the coat, cosine for the metal, support: by lobe, then by cos θ.
+    pub entries: [Vec4; MOST_LOBES * ANGLES],
+    /// Lobes there are.
+    pub count: u32,
+    /// Nothing.
+    pub padding: [u32; 3],
+}
+
+impl LobeTables {
+    /// The tables of some lobes.
+    pub fn new(lobes: &Lobes) -> Self {
+        let mut tables = Self { count: lobes.len().min(MOST_LOBES) as u32, ..Self::zeroed() };
+        for (i, lobe) in lobes.values().take(MOST_LOBES).enumerate() {
+            tables.alpha[i].x = lobe.alpha;
+            for (k, e) in lobe.entries.iter().enumerate() {
+                tables.entries[i * ANGLES + k] =
+                    Vec4::new(e.albedo, e.coat_cosine, e.metal_cosine, e.support);
+            }
+        }
+        tables
+    }
+}
+
+/// Passes of the glossy layer.
+pub(crate) struct GlossyPasses {
+    lobes: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
+    unfold: wgpu::ComputePipeline,
+    halve: wgpu::ComputePipeline,
+    scatter: wgpu::ComputePipeline,
+    sized: Sized,
+}
+
+/// What depends on the size of the picture.
+struct Sized {
+    levels: Vec<LevelInfo>,
+    /// One a level: they differ in the level that is written.
+    groups: Vec<wgpu::BindGroup>,
+}
+
+impl GlossyPasses {
+    /// Builds the pipelines.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &SceneTables,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+    ) -> Self {
+        use Binding::{Texture, Uniform, Written};
+        let layout = layout(
+            device,
+            "glossy",
+            wgpu::ShaderStages::COMPUTE,
+            &[
+                (0, Uniform),
+                (1, Texture),
+                (2, Written),
+                (3, Uniform),
+                (4, Written),
+                (5, Uniform),
+                (6, Uniform),
+            ],
+        );
+        let module = shaders::GLOSSY.module(device);
+        let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.surface_layout, &layout]);
+        let (unfold, halve, scatter) = (compute("unfold"), compute("halve"), compute("scatter"));
+        let lobes = uniform::<LobeTables>(device, "lobes");
+        let sized = Sized::new(device, queue, &layout, [frame, &lobes], targets);
+        Self { lobes, layout, unfold, halve, scatter, sized }
+    }
+
+    /// Follows targets of another size.
+    pub(crate) fn bind(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+    ) {
+        self.sized = Sized::new(device, queue, &self.layout, [frame, &self.lobes], targets);
+    }
+
+    /// Records the passes of one frame.
+    pub(crate) fn record(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &SceneTables,
+        lobes: &Lobes,
+    ) {
+        queue.write_buffer(&self.lobes, 0, bytemuck::bytes_of(&LobeTables::new(lobes)));
+        let mut dispatch = |pipeline: &wgpu::ComputePipeline, level: usize, size: LevelInfo| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("glossy"),
+                ..Default::default()
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &scene.surface_group, &[]);
+            pass.set_bind_group(1, &self.sized.groups[level], &[]);
+            pass.dispatch_workgroups(size.width.div_ceil(8), size.height.div_ceil(8), 1);
+        };
+        let levels = &self.sized.levels;
+        dispatch(&self.unfold, 0, levels[0]);
+        for (level, size) in levels.iter().enumerate().skip(1) {
+            dispatch(&self.halve, level, *size);
+        }
+        dispatch(&self.scatter, 0, levels[0]);
+    }
+}
+
+impl Sized {
+    fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layout: &wgpu::BindGroupLayout,
+        [frame, lobes]: [&wgpu::Buffer; 2],
+        targets: &Targets,
+    ) -> Self {
+        let mut levels: Vec<LevelInfo> = Vec::new();
+        let mut first = 0;
+        for level in 0..MOST_LEVELS {
+            let [width, height] = level_size(targets.size, level);
+            levels.push(LevelInfo { first, width, height, padding: 0 });
+            first += width * height;
+            if width.max(height) <= 1 {
+                break;
+            }
+        }
+        let texels = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("mirror image pyramid"),
+            size: u64::from(first) * size_of::<TexelInfo>() as u64,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let mut table = [LevelInfo::default(); MOST_LEVELS];
+        table[..levels.len()].copy_from_slice(&levels);
+        let info = uniform::<[LevelInfo; MOST_LEVELS]>(device, "pyramid levels");
+        queue.write_buffer(&info, 0, bytemuck::cast_slice(&table));
+        let groups = (0..levels.len())
+            .map(|level| {
+                let step = uniform::<[u32; 4]>(device, "pyramid step");
+                let words = [level as u32, levels.len() as u32, 0, 0];
+                queue.write_buffer(&step, 0, bytemuck::cast_slice(&words));
+                let seen = wgpu::BindingResource::TextureView(&targets.triangles_view);
+                let resources = [
+                    (0, frame.as_entire_binding()),
+                    (1, seen),
+                    (2, targets.layers.as_entire_binding()),
+                    (3, lobes.as_entire_binding()),
+                    (4, texels.as_entire_binding()),
+                    (5, info.as_entire_binding()),
+                    (6, step.as_entire_binding()),
+                ];
+                bind(device, "glossy", layout, &resources)
+            })
+            .collect();
+        Self { levels, groups }
+    }
+}

@@ -1,0 +1,152 @@
+// Spatially variant convolution of the mirror image: twin of core/src/glossy/variant.rs and kernel.rs.
+
+const REACH_LEVEL: u32 = 4u;
+// Mark in a pixel's state: its throughput holds the reflectance of the lobe.
+const SCATTERED: f32 = -1.0;
+
+// Twin of `LobeTable::at`.
+fn lobe_at(lobe: u32, cos_theta: f32) -> vec4f {
+    let x = clamp(cos_theta, 0.0, 1.0) * f32(ANGLES - 1u);
+    let i = min(u32(x), ANGLES - 2u);
+    return mix(lobes.entries[lobe * ANGLES + i], lobes.entries[lobe * ANGLES + i + 1u], x - f32(i));
+}
+
+fn ggx(normal: vec3f, h: vec3f, alpha: f32) -> f32 {
+    let c = dot(normal, h);
+    if c <= 0.0 {
+        return 0.0;
+    }
+    let a2 = alpha * alpha;
+    let s = cross(normal, h);
+    let d = c * c * a2 + dot(s, s);
+    return a2 / (PI * d * d);
+}
+
+fn smith(c: f32, alpha: f32) -> f32 {
+    let tan2 = max(1.0 - c * c, 0.0) / (c * c);
+    return 0.5 * (sqrt(1.0 + alpha * alpha * tan2) - 1.0);
+}
+
+// Twin of `Lobe::value` of GGX.
+fn ggx_value(normal: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let ci = dot(normal, wi);
+    let co = dot(normal, wo);
+    if ci <= 0.0 || co <= 0.0 {
+        return 0.0;
+    }
+    let h = normalize(wi + wo);
+    return ggx(normal, h, alpha) / ((1.0 + smith(ci, alpha) + smith(co, alpha)) * 4.0 * ci * co);
+}
+
+// Twin of `GlossyPoint`.
+struct GlossyPoint {
+    from_eye: vec3f,
+    normal: vec3f,
+    alpha: f32,
+}
+
+// Twin of `GlossyPoint::weight`.
+fn tap_weight(point: GlossyPoint, direction: vec3f, nearness: f32, texel_angle: f32) -> f32 {
+    let u = direction - point.from_eye * nearness;
+    let least = 0.5 * texel_angle;
+    let squared = dot(u, u);
+    var towards = direction;
+    if squared > 1e-4 * least * least {
+        towards = u / sqrt(squared);
+    }
+    let wi = towards - 2.0 * dot(point.normal, towards) * point.normal;
+    let ci = dot(wi, point.normal);
+    if ci <= 0.0 {
+        return 0.0;
+    }
+    return ggx_value(point.normal, wi, -normalize(point.from_eye), point.alpha) * ci / max(squared, least * least);
+}
+
+// Unit direction through a place in the picture, in pixels.
+fn lens_direction(at: vec2f) -> vec3f {
+    let uv = at / vec2f(frame.size);
+    return normalize(
+        frame.forward
+        + frame.right * ((2.0 * uv.x - 1.0) * frame.half_size.x)
+        + frame.up * ((1.0 - 2.0 * uv.y) * frame.half_size.y));
+}
+
+// Twin of `gather`.
+fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> vec3f {
+    let pixel_angle = 2.0 * frame.half_size.y / f32(frame.size.y);
+    let last = step.level_count - 1u;
+    let own = texel_at(0u, pixel.x, pixel.y);
+    let reach_level = min(REACH_LEVEL, last);
+    let around = texel_at(reach_level, pixel.x >> reach_level, pixel.y >> reach_level);
+    var nearness = own.nearness;
+    if around.reflector == reflector {
+        nearness = min(nearness, around.nearness);
+    }
+    let share = 1.0 - min(length(point.from_eye) * nearness, 1.0);
+    let radius = share * support / pixel_angle;
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var level = 0u; level <= last; level++) {
+        let scale = f32(1u << level);
+        let low = vec2i(2 * (pixel.x >> (level + 1u)) - 4, 2 * (pixel.y >> (level + 1u)) - 4);
+        let middle = vec2i((pixel.x >> level) - 2, (pixel.y >> level) - 2);
+        for (var y = low.y; y < low.y + 10; y++) {
+            for (var x = low.x; x < low.x + 10; x++) {
+                let read = x >= middle.x && x < middle.x + 5 && y >= middle.y && y < middle.y + 5;
+                if level > 0u && read {
+                    continue;
+                }
+                let texel = texel_at(level, x, y);
+                if texel.coverage <= 0.0 || texel.reflector != reflector {
+                    continue;
+                }
+                let at = (vec2f(f32(x), f32(y)) + vec2f(0.5)) * scale + frame.subpixel - vec2f(0.5);
+                let area = scale * scale * texel.coverage;
+                let weight = area * tap_weight(point, lens_direction(at), texel.nearness, pixel_angle * scale);
+                sum += texel.radiance * weight;
+                weights += weight;
+            }
+        }
+        if 4.0 * scale >= radius {
+            break;
+        }
+    }
+    if weights > 0.0 && weights < 3e38 {
+        return sum / weights;
+    }
+    return own.radiance;
+}
+
+@compute @workgroup_size(8, 8)
+fn scatter(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= frame.size) {
+        return;
+    }
+    let pixel = id.y * frame.size.x + id.x;
+    let seen = textureLoad(seen_triangles, id.xy, 0).x;
+    let state = state_of(frame.size, pixel);
+    if seen == 0u || layers[state + 6u] == NOT_MIRRORED {
+        return;
+    }
+    let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id.xy, frame.subpixel));
+    let specular = specular_at(surface);
+    if specular.alpha <= 0.0 {
+        return;
+    }
+    for (var lobe = 0u; lobe < lobes.count; lobe++) {
+        if lobes.alpha[lobe].x != specular.alpha {
+            continue;
+        }
+        let point = GlossyPoint(surface.position - frame.eye, surface.geometric_normal, specular.alpha);
+        let cos_theta = -dot(point.from_eye, point.normal) / length(point.from_eye);
+        let entry = lobe_at(lobe, cos_theta);
+        let radiance = gather(point, vec2i(id.xy), triangles[surface.triangle].reflector, entry.w);
+        // Twin of `LobeTable::modulation`.
+        let share = entry.x * specular_reflectance_at(specular, entry.z, entry.y);
+        for (var i = 0u; i < 3u; i++) {
+            layers[state + i] = radiance[i];
+            layers[state + 3u + i] = share[i];
+        }
+        layers[state + 7u] = SCATTERED;
+    }
+}

@@ -1,0 +1,104 @@
+//! What the views of mirrors and glossy surfaces show.
+
+use super::planar::floor_and_mirror;
+use glam::Vec3;
+use lumenscope_core::{
+    glossy::inspect::{KERNEL_SIZE, KernelPoint, kernel},
+    mirror::{MirrorSettings, inspect},
+    scene::{Scene, brdf::Specular, fresnel, geometry::Geometry, material::Material, world::World},
+};
+use lumenscope_tests::{add, rectangle};
+
+const GOLD: Vec3 = Vec3::new(0.63, 0.56, 0.37);
+
+#[test]
+fn gold_is_golden_at_the_middle_of_its_map_and_white_at_its_rim() {
+    let gold = Specular { metal: GOLD, metallic: 1.0, dielectric: 0.04, alpha: 0.0 };
+    let map = inspect::map(&gold);
+    let half = map.width / 2;
+    assert!((map.at(half, half) - GOLD).abs().max_element() < 1e-4, "{}", map.at(half, half));
+    assert!((map.at(0, half) - Vec3::ONE).abs().max_element() < 1e-3, "grazing reflects all");
+    assert_eq!(map.at(0, 0), Vec3::ZERO, "outside of the disc");
+    // Fig. 6.23's graph along the middle: blue rises latest and most steeply, red least.
+    let [middle, late] = [0.5f32, 0.95].map(|r| fresnel::reflectance_rgb(GOLD, (1.0 - r * r).sqrt()));
+    assert!((middle - GOLD).abs().max_element() < 0.06, "flat over the middle: {middle}");
+    let rise = late - middle;
+    assert!(rise.z > rise.y && rise.y > rise.x, "{rise}");
+    // Schlick's approximation is near for a coat. For a metal it is not: a real index has an angle at which
+    // one polarisation is not reflected, where the fit falls below the reflectance at normal incidence.
+    let worst = |f0: f32| {
+        let off = |i: i32| {
+            let c = i as f32 / 100.0;
+            (fresnel::schlick(f0, c) - fresnel::reflectance(f0, c)).abs()
+        };
+        (0..=100).map(off).fold(0.0, f32::max)
+    };
+    println!(
+        "Schlick's approximation is off by at most {:.3} for 0.04, {:.3} for 0.56",
+        worst(0.04),
+        worst(0.56)
+    );
+    assert!(worst(0.04) < 0.05 && worst(0.56) > 0.2);
+}
+
+#[test]
+fn the_reflectors_view_names_those_that_need_a_view() {
+    let scene = floor_and_mirror();
+    let geometry = Geometry::new(&scene);
+    let shown = inspect::reflectors(&geometry, MirrorSettings::default(), &scene.camera);
+    assert!(shown.notes[0].starts_with("1 flat reflectors") && shown.notes[0].contains("1 mirrored views"));
+    // Four edges and the normal: the diagonal belongs to two triangles.
+    assert_eq!((shown.lines.len(), shown.labels.len()), (5, 1));
+    let shown = inspect::reflectance(&geometry).unwrap();
+    assert_eq!((shown.images.len(), shown.curves.len()), (1, 3));
+    assert!(inspect::reflectance(&Geometry::new(&lumenscope_tests::cornell())).is_none());
+}
+
+fn glossy_floor(roughness: f32) -> Scene {
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::new(-2.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
+    add(&mut scene, "floor", floor, Material { roughness, ..Material::default() });
+    let wall = rectangle(Vec3::new(-2.0, 0.0, -2.0), Vec3::X * 4.0, Vec3::Y * 3.0);
+    add(&mut scene, "wall", wall, Material::default());
+    scene
+}
+
+#[test]
+fn wider_lobes_need_fewer_samples() {
+    let eye = Vec3::new(0.0, 1.0, 1.0);
+    let mut bands = Vec::new();
+    for roughness in [0.1, 0.2, 0.4] {
+        let geometry = Geometry::new(&glossy_floor(roughness));
+        let point = KernelPoint::near(&geometry, eye, Some(Vec3::new(0.1, 0.5, 0.0))).unwrap();
+        assert!(point.position.distance(Vec3::new(0.1, 0.0, 0.0)) < 1e-5 && point.normal == Vec3::Y);
+        let support = point.support();
+        let image = point.image(support);
+        // The same to the left and right of the plane of incidence.
+        for y in 1..KERNEL_SIZE {
+            for x in 0..KERNEL_SIZE {
+                let (a, b) = (image.at(x, y).x, image.at(x, KERNEL_SIZE - y).x);
+                // Rounding of a dozen operations, and of slopes up to a few.
+                assert!((a - b).abs() < 1e-4, "{x}, {y}: {a} {b}");
+            }
+        }
+        let (curves, band) = point.spectrum(support);
+        assert!((curves[0][0].y - 1.0).abs() < 1e-5 && curves[0].iter().all(|p| p.y <= 1.0001));
+        bands.push(band);
+    }
+    println!("cycles a radian: {bands:?}");
+    assert!(bands.windows(2).all(|w| w[1] < w[0]), "{bands:?}");
+}
+
+#[test]
+fn the_kernel_view_lies_on_what_the_lobe_meets() {
+    let world = World::new(&glossy_floor(0.2));
+    let shown = kernel(&world, Vec3::new(0.0, 1.0, 1.0), None).unwrap();
+    assert_eq!((shown.meshes.len(), shown.images.len(), shown.curves.len()), (2, 1, 3));
+    let footprint = &shown.meshes[0];
+    assert!(!footprint.triangles.is_empty());
+    for t in footprint.triangles.iter().flatten() {
+        let p = footprint.positions[*t as usize];
+        assert!((p.z + 2.0).abs() < 0.02, "{p} is not on the wall");
+    }
+    assert!(kernel(&World::new(&lumenscope_tests::cornell()), Vec3::ONE, None).is_none());
+}
