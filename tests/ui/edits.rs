@@ -60,7 +60,8 @@ fn a_session_is_saved_and_reopened_and_pictures_are_exported() {
     window.wait("the exports", |app| !app.is_busy());
     assert!(image::open(&png).unwrap().width() > 500);
     let layers = lumenscope_core::io::exr::read_layers(&exr).unwrap();
-    assert_eq!(layers.iter().map(|l| l.0.as_str()).collect::<Vec<_>>(), ["emitted", "direct", "indirect"]);
+    let names = ["emitted", "direct", "indirect", "mirror", "glossy"];
+    assert_eq!(layers.iter().map(|l| l.0.as_str()).collect::<Vec<_>>(), names);
 
     window.run(Command::Dim { target: Target::Lamp(0), dimmer: 1.0, dragging: false });
     assert_ne!(window.edits_bytes(), edits);

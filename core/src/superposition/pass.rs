@@ -12,7 +12,10 @@ use super::{
     moved::MovedLight,
 };
 use crate::{
-    glossy::pass::{GlossyFrame, lobes},
+    glossy::{
+        GlossyMethod,
+        pass::{GlossyFrame, lobes},
+    },
     math::{
         part::Part,
         random::{hash2, r2_point},
@@ -116,8 +119,11 @@ fn reflect(frame: &GlossyFrame, shading: &Shading, camera: &Camera, shaded: &mut
         let wo = (camera.eye - surface.position).normalize_or(surface.normal);
         let cos_theta = wo.dot(surface.geometric_normal);
         let (layer, share) = match frame.lobes.get(&specular.alpha.to_bits()) {
-            Some(lobe) => (Layer::Glossy, lobe.modulation(&specular, cos_theta)),
-            None => (Layer::Mirror, specular.reflectance(cos_theta)),
+            Some(lobe) if method != GlossyMethod::Sharp => {
+                (Layer::Glossy, lobe.modulation(&specular, cos_theta))
+            }
+            _ if specular.is_mirror() => (Layer::Mirror, specular.reflectance(cos_theta)),
+            _ => (Layer::Glossy, specular.reflectance(cos_theta)),
         };
         out[layer as usize] = share * radiance[pixel];
     });
