@@ -83,6 +83,9 @@ pub struct View {
     /// Order of the volume's moment by which movable objects shine; `None` where they are diffuse.
     #[serde(default)]
     pub gloss: Option<Order>,
+    /// Light-path expression that says what is shown; all paths where it is empty.
+    #[serde(default)]
+    pub paths: String,
 }
 
 impl View {
@@ -180,6 +183,7 @@ impl Default for View {
             views: Vec::new(),
             copies: None,
             gloss: None,
+            paths: String::new(),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     session::{Against, Reference},
     session_file,
     widgets::{Probe, resolutions::ROWS},
-    worker::{InspectRequest, ProbeRequest},
+    worker::{InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use anyhow::{Result, bail};
 use lumenscope_core::{
@@ -25,7 +25,6 @@ use lumenscope_core::{
     registry::{self, ViewInput},
     scene::{
         Scene,
-        camera::Camera,
         check::{self, Severity},
         import,
         world::World,
@@ -287,8 +286,15 @@ impl ReferenceWork {
     pub const ENOUGH: u32 = 1024;
 
     /// Begins a picture.
-    pub fn new(world: &Arc<World>, camera: Camera, [width, height]: [u32; 2]) -> Self {
-        Self { picture: ReferencePicture::new(Arc::clone(world), camera, width, height, SEED) }
+    pub fn new(world: &Arc<World>, request: ReferenceRequest) -> Self {
+        let ReferenceRequest { camera, size: [width, height], paths } = request;
+        let picture = ReferencePicture::new(Arc::clone(world), camera, width, height, SEED);
+        Self {
+            picture: match paths {
+                Some(paths) => picture.of_paths(paths),
+                None => picture,
+            },
+        }
     }
 
     /// Whether it has all its samples.

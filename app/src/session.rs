@@ -400,7 +400,7 @@ impl Session {
             effects.push(Effect::Inspect);
         }
         effects.extend((view.copies != old.copies).then_some(Effect::Copies));
-        let moved = view.camera != old.camera;
+        let moved = view.camera != old.camera || view.paths != old.paths;
         let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;
         if moved {
             effects.extend(self.outdate_reference());

@@ -22,6 +22,7 @@ use lumenscope_core::{
         placement::{Measurement, requirement::Requirement},
     },
     math::progress::Progress,
+    reference::expression::Expression,
     scene::{Scene, camera::Camera},
     superposition::{composite::Display, plan::Plan},
     transport::LightTransportSolution,
@@ -97,6 +98,8 @@ pub struct ReferenceRequest {
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// Paths that count; all of them without.
+    pub paths: Option<Expression>,
 }
 
 /// A file to write.

@@ -50,7 +50,8 @@ impl LumenscopeApp {
             Effect::Reference => {
                 let size = self.picture_size(REFERENCE_WIDTH);
                 let camera = self.session.document.view.camera;
-                self.worker.reference(Some(ReferenceRequest { camera, size }));
+                let paths = self.session.document.view.paths.parse().ok();
+                self.worker.reference(Some(ReferenceRequest { camera, size, paths }));
             }
             Effect::Copies => {
                 let copies = self.session.document.view.copies;

@@ -5,13 +5,14 @@ use crate::{
     command::Command,
     session::{Session, View},
 };
-use egui::{Checkbox, ComboBox, DragValue, Grid, Slider, Ui};
+use egui::{Checkbox, ComboBox, DragValue, Grid, Slider, TextEdit, Ui};
 use lumenscope_core::{
     irradiance_volume::moments::Order,
     math::false_colour::{FalseColour, Palette},
+    reference::expression::{Expression, ExpressionError},
     superposition::{
         composite::{DirectQuality, ToneCurve},
-        layers::{COUNT, Layer},
+        layers::{COUNT, Layer, Weights},
     },
 };
 
@@ -19,6 +20,7 @@ use lumenscope_core::{
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     edit_view(&session.document.view, out, |view| {
         layers(ui, view);
+        section(ui, "Light paths", |ui| paths(ui, view));
         section(ui, "Display", |ui| display(ui, view));
         section(ui, "Movable objects", |ui| gloss(ui, session, view));
     });
@@ -76,6 +78,66 @@ fn layers(ui: &mut Ui, view: &mut View) {
             ui.end_row();
         }
     });
+}
+
+/// Expressions to pick, and what they mean.
+const PATHS: [(&str, &str); 8] = [
+    ("", "all"),
+    ("LE", "emitted"),
+    ("LDE", "direct"),
+    ("L(D|S)+DE", "indirect"),
+    ("L(D|S)*SE", "specular"),
+    ("LD{2}E", "2 bounces"),
+    ("LD{3}E", "3 bounces"),
+    ("LS+DE", "caustics"),
+];
+
+fn paths(ui: &mut Ui, view: &mut View) {
+    let before = view.paths.clone();
+    ui.horizontal(|ui| {
+        let edit = TextEdit::singleline(&mut view.paths).hint_text("L(D|S)*E").desired_width(120.0);
+        let edit = ui.add(edit).on_hover_text(
+            "Which light is shown, as a regular expression over its path: L the light, D a diffuse and S a specular \
+             reflection, E the eye; | * + ? {n} and ( ) as usual.\n\nLDE, L(D|S)*SE, LE|LD{2}E",
+        );
+        name_it(&edit, "Expression of light paths");
+        let picked = PATHS.iter().find(|p| p.0 == view.paths).map_or("typed", |p| p.1);
+        ComboBox::from_id_salt("paths").width(90.0).selected_text(picked).show_ui(ui, |ui| {
+            for (text, meaning) in PATHS {
+                ui.selectable_value(&mut view.paths, text.to_owned(), meaning).on_hover_text(text);
+            }
+        });
+    });
+    let weights = weights_of(&view.paths);
+    if view.paths != before
+        && let Ok(Some(weights)) = weights
+    {
+        view.weights = weights;
+    }
+    match weights {
+        Ok(Some(_)) => {}
+        Ok(None) => {
+            ui.weak("No sum of the layers is this light: the reference shows it (R).");
+        }
+        Err(error) => {
+            ui.colored_label(ui.visuals().warn_fg_color, error.to_string());
+        }
+    }
+}
+
+/// Weights by which the layers show the light of an expression; `None` where no weights do.
+///
+/// # Errors
+/// Where it is no expression.
+pub fn weights_of(paths: &str) -> Result<Option<Weights>, ExpressionError> {
+    if paths.trim().is_empty() {
+        return Ok(Some([1.0; COUNT]));
+    }
+    let terms = paths.parse::<Expression>()?.of_terms();
+    let weights = |[emitted, direct, indirect, specular]: [bool; 4]| {
+        [emitted, direct, indirect, specular, specular].map(|on| f32::from(u8::from(on)))
+    };
+    Ok(terms.map(weights))
 }
 
 /// Whether one layer is shown alone.

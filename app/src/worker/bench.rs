@@ -285,9 +285,7 @@ impl Bench {
 
     fn begin_reference(&mut self, request: Option<ReferenceRequest>) {
         self.reference = match (request, &self.solution) {
-            (Some(request), Some(solution)) => {
-                Some(pipeline::ReferenceWork::new(&solution.world, request.camera, request.size))
-            }
+            (Some(request), Some(solution)) => Some(pipeline::ReferenceWork::new(&solution.world, request)),
             _ => None,
         };
     }

@@ -11,6 +11,7 @@
 //! Scenes without specular lobes take the short way of [`path`]; [`scatter`] has the general one.
 
 pub mod brute;
+pub mod expression;
 pub mod irradiance;
 pub mod lights;
 pub mod path;

@@ -8,8 +8,8 @@
 //! second vertex reflects is a sample of [`super::scatter`] instead.
 
 use super::{
+    expression::Automaton,
     lights::{LightSampler, Selection},
-    scatter::Reflected,
 };
 use crate::{
     math::{
@@ -55,6 +55,7 @@ pub struct PathTracer<'a> {
     lights: LightSampler,
     /// Whether anything in it has a specular lobe.
     specular: bool,
+    terms: Automaton,
 }
 
 #[derive(Clone, Copy)]
@@ -97,6 +98,7 @@ impl<'a> PathTracer<'a> {
             world: WorldRef(world),
             lights: LightSampler::new(world),
             specular: world.geometry.is_specular(),
+            terms: Automaton::terms(),
         }
     }
 
@@ -113,6 +115,11 @@ impl<'a> PathTracer<'a> {
     /// How the first vertex of a path selects among the emitters.
     pub(super) fn first_selection(&self) -> Selection {
         self.lights.first_selection()
+    }
+
+    /// What tells the terms of the picture apart.
+    pub(super) fn terms(&self) -> &Automaton {
+        &self.terms
     }
 
     /// Whether anything in the world has a specular lobe.
@@ -132,12 +139,12 @@ impl<'a> PathTracer<'a> {
         let geometry = &self.world().geometry;
         let emitted = geometry.emission(&surface);
         if self.specular {
-            let found = self.reflected(&surface, -ray.direction, self.lights.first_selection(), rng);
+            let selection = self.lights.first_selection();
+            let found = self.reflected(&surface, -ray.direction, selection, &self.terms, rng);
+            let [_, direct, indirect, specular] = found.radiance;
             let is_mirror = geometry.brdf(&surface).specular.is_some_and(|s| s.is_mirror());
-            let (mirror, glossy) =
-                if is_mirror { (found.specular, Vec3::ZERO) } else { (Vec3::ZERO, found.specular) };
-            let Reflected { direct, indirect, vertices, .. } = found;
-            return Terms { emitted, direct, indirect, mirror, glossy, vertices };
+            let (mirror, glossy) = if is_mirror { (specular, Vec3::ZERO) } else { (Vec3::ZERO, specular) };
+            return Terms { emitted, direct, indirect, mirror, glossy, vertices: found.vertices };
         }
         let reflectance = geometry.reflectance(&surface).min(Vec3::ONE);
         if reflectance == Vec3::ZERO {
@@ -185,7 +192,7 @@ impl<'a> PathTracer<'a> {
             return out;
         }
         if self.specular {
-            let found = self.reflected(&next, -wi, Selection::One, rng);
+            let found = self.reflected(&next, -wi, Selection::One, &self.terms, rng);
             out.indirect = found.total() * PI;
             out.vertices += found.vertices;
             return out;

@@ -4,7 +4,11 @@
 //! pixel's samples are summed in order in `f64`: the bytes depend neither on the number of threads
 //! nor on how the samples were spread over calls.
 
-use super::{path::PathTracer, stream_seed};
+use super::{
+    expression::Expression,
+    path::{PathTracer, Terms},
+    stream_seed,
+};
 use crate::{
     math::{
         colour::luminance,
@@ -36,6 +40,7 @@ pub struct ReferencePicture {
     rejected: u64,
     vertices: u64,
     pixels: Vec<PixelSums>,
+    paths: Option<Expression>,
 }
 
 /// Sums over the samples of one pixel.
@@ -59,7 +64,13 @@ impl ReferencePicture {
     /// A picture without samples yet.
     pub fn new(world: Arc<World>, camera: Camera, width: u32, height: u32, seed: u64) -> Self {
         let pixels = vec![PixelSums::default(); width as usize * height as usize];
-        Self { world, camera, width, height, seed, samples: 0, rejected: 0, vertices: 0, pixels }
+        Self { world, camera, width, height, seed, samples: 0, rejected: 0, vertices: 0, pixels, paths: None }
+    }
+
+    /// The same picture, of the paths of an expression only; all of it is in the first of
+    /// [`layers`](Self::layers).
+    pub fn of_paths(self, paths: Expression) -> Self {
+        Self { paths: Some(paths), ..self }
     }
 
     /// Adds `spp` samples to every pixel.
@@ -112,7 +123,12 @@ impl ReferencePicture {
                 let mut rng = Rng::new(stream_seed(stream, u64::from(s)), pixel);
                 let uv = (Vec2::new(x as f32, y as f32) + rng.next_vec2()) / size;
                 let ray = Ray::new(self.camera.eye, self.camera.ray_direction(uv, size.x / size.y));
-                let terms = tracer.radiance(&ray, &mut rng);
+                let terms = match &self.paths {
+                    None => tracer.radiance(&ray, &mut rng),
+                    Some(paths) => {
+                        Terms { emitted: tracer.radiance_by(&ray, paths, &mut rng), ..Terms::default() }
+                    }
+                };
                 row.vertices += u64::from(terms.vertices);
                 let total: Vec3 = terms.all().iter().sum();
                 if !total.is_finite() {

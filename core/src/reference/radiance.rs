@@ -32,8 +32,8 @@ pub fn radiance_with(tracer: &PathTracer<'_>, ray: &Ray, samples: u32, seed: u64
             .map(|set| {
                 let mut rng = Rng::new(stream_seed(seed, u64::from(set)), u64::from(set));
                 let sum = (0..per_set).fold(DVec3::ZERO, |sum, _| {
-                    let found =
-                        tracer.reflected(&surface, -ray.direction, tracer.first_selection(), &mut rng);
+                    let (selection, terms) = (tracer.first_selection(), tracer.terms());
+                    let found = tracer.reflected(&surface, -ray.direction, selection, terms, &mut rng);
                     let value = found.total().as_dvec3();
                     if value.is_finite() { sum + value } else { sum }
                 });

@@ -2,13 +2,15 @@
 //!
 //! At every vertex the emitters are sampled, and a direction is drawn from the material's own
 //! distribution; the two are weighted by the balance heuristic (Veach and Guibas 1995). What an ideal
-//! mirror sends into its one direction no emitter sample can find, and counts whole. Light of the
-//! first vertex is kept apart by the part that reflected it, as the layers of the picture are.
+//! mirror sends into its one direction no emitter sample can find, and counts whole. A path carries one
+//! throughput a state of an [`Automaton`], so that both parts of a surface go on along one direction and
+//! are still told apart.
 //!
 //! Limit: a point or directional lamp has no surface that a mirror's ray could hit. What mirrors throw of
 //! it (caustics), and its image in them, is missing here as everywhere in the program.
 
 use super::{
+    expression::{Automaton, Expression, MOST_STATES},
     lights::{LightSample, Selection},
     path::{MAX_BOUNCES, PathTracer, SURE_BOUNCES, receiver_of},
 };
@@ -18,34 +20,75 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 
-/// One sample of the radiance reflected by a surface, by term, cd/m².
+/// Outputs that light may count to, see [`Automaton`].
+const OUTPUTS: usize = 4;
+
+/// One sample of the radiance that a surface reflects.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reflected {
-    /// By the Lambertian part, light straight from the emitters.
-    pub direct: Vec3,
-    /// By the Lambertian part, light that had bounced before.
-    pub indirect: Vec3,
-    /// By the specular lobe, all light.
-    pub specular: Vec3,
+    /// By output of the automaton, cd/m²: for [`Automaton::terms`] emitted (nothing), direct, indirect, specular.
+    pub radiance: [Vec3; OUTPUTS],
     /// Surface points at which light was gathered.
     pub vertices: u32,
 }
 
 impl Reflected {
-    /// The sum of the terms.
+    /// The sum of the outputs.
     pub fn total(&self) -> Vec3 {
-        self.direct + self.indirect + self.specular
+        self.radiance.iter().sum()
+    }
+}
+
+/// What paths carry in each state of an automaton.
+struct Carried<'a> {
+    automaton: &'a Automaton,
+    throughput: [Vec3; MOST_STATES],
+}
+
+impl Carried<'_> {
+    /// Adds light that was met after the path as it is.
+    fn add(&self, light: Vec3, out: &mut Reflected) {
+        for (output, throughput) in self.automaton.counts_as.iter().zip(&self.throughput) {
+            if let Some(output) = output {
+                out.radiance[*output as usize] += *throughput * light;
+            }
+        }
+    }
+
+    /// One more surface, with what its Lambertian part and its lobe pass on.
+    fn after(&self, parts: [Vec3; 2]) -> Self {
+        let mut throughput = [Vec3::ZERO; MOST_STATES];
+        for (next, carried) in self.automaton.next.iter().zip(&self.throughput) {
+            for (next, part) in next.iter().zip(parts) {
+                if let Some(next) = next {
+                    throughput[*next as usize] += *carried * part;
+                }
+            }
+        }
+        Self { throughput, ..*self }
+    }
+
+    fn largest(&self) -> f32 {
+        self.throughput.iter().fold(0.0, |largest, t| largest.max(t.max_element()))
     }
 }
 
 impl PathTracer<'_> {
-    /// One sample of the radiance that a surface reflects along `wo`, which points away from it.
-    pub fn reflected(&self, start: &Surface, wo: Vec3, selection: Selection, rng: &mut Rng) -> Reflected {
+    /// One sample of the radiance that a surface reflects along `wo`, which points away from it, told apart
+    /// by an automaton that stands at the eye.
+    pub fn reflected(
+        &self,
+        start: &Surface,
+        wo: Vec3,
+        selection: Selection,
+        automaton: &Automaton,
+        rng: &mut Rng,
+    ) -> Reflected {
         let geometry = &self.world().geometry;
         let (mut surface, mut wo, mut selection) = (*start, wo, selection);
         let mut out = Reflected::default();
-        // Of the first vertex's Lambertian part and of its lobe.
-        let mut throughput = [Vec3::ONE; 2];
+        let mut carried = Carried { automaton, throughput: [Vec3::ZERO; MOST_STATES] };
+        carried.throughput[0] = Vec3::ONE;
         for bounce in 0..MAX_BOUNCES {
             let brdf = geometry.brdf(&surface);
             if brdf.is_black() {
@@ -56,32 +99,22 @@ impl PathTracer<'_> {
             let mut lights = Rng::new(u64::from(rng.next_u32()), u64::from(rng.next_u32()));
             let vertex = receiver_of(&surface);
             let arrive = |sample: &LightSample| self.arriving(&surface, &brdf, wo, sample);
-            let [diffuse, lobe] =
+            let sampled =
                 self.lights().sum(self.world(), &vertex, selection, pick, |_| lights.next_vec2(), arrive);
-            if bounce == 0 {
-                out.direct += diffuse;
-                out.specular += lobe;
-            } else {
-                out.indirect += throughput[0] * (diffuse + lobe);
-                out.specular += throughput[1] * (diffuse + lobe);
-            }
+            carried.after(sampled).add(Vec3::ONE, &mut out);
             let (part, u) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
             let Some(drawn) = brdf.sample(surface.normal, wo, part, u) else { break };
             if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
                 break;
             }
-            if bounce == 0 {
-                throughput = [drawn.diffuse, drawn.specular];
-            } else {
-                throughput = throughput.map(|t| t * (drawn.diffuse + drawn.specular));
-            }
-            let left = throughput[0].max(throughput[1]).max_element();
+            carried = carried.after([drawn.diffuse, drawn.specular]);
+            let left = carried.largest();
             if bounce >= SURE_BOUNCES {
                 let survival = left.min(1.0);
                 if rng.next_f32() >= survival {
                     break;
                 }
-                throughput = throughput.map(|t| t / survival);
+                carried.throughput.iter_mut().for_each(|t| *t /= survival);
             }
             if left == 0.0 {
                 break;
@@ -96,13 +129,20 @@ impl PathTracer<'_> {
                     let light = self.lights().density(self.world(), &next, drawn.wi, hit.t, selection);
                     drawn.density / (drawn.density + light)
                 };
-                let arriving = emission * weight;
-                *(if bounce == 0 { &mut out.direct } else { &mut out.indirect }) += throughput[0] * arriving;
-                out.specular += throughput[1] * arriving;
+                carried.add(emission * weight, &mut out);
             }
             (surface, wo, selection) = (next, -drawn.wi, Selection::One);
         }
         out
+    }
+
+    /// One sample of the radiance that arrives along a ray by the paths of an expression, cd/m².
+    pub fn radiance_by(&self, ray: &Ray, expression: &Expression, rng: &mut Rng) -> Vec3 {
+        let Some(surface) = self.surface(ray) else { return Vec3::ZERO };
+        let automaton = expression.automaton();
+        let found = self.reflected(&surface, -ray.direction, self.first_selection(), automaton, rng);
+        let seen = automaton.counts_as[0].map_or(Vec3::ZERO, |_| self.world().geometry.emission(&surface));
+        seen + found.total()
     }
 
     /// What a sample of an emitter sends along `wo` by the Lambertian part and by the lobe.

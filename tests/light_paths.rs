@@ -1,0 +1,118 @@
+//! Light-path expressions: what they mean, and the light they leave.
+
+use glam::{Vec2, Vec3};
+use lumenscope_core::{
+    math::random::Rng,
+    reference::{
+        expression::{Expression, ExpressionError},
+        path::PathTracer,
+    },
+    scene::{accel::Ray, camera::Camera, world::World},
+};
+use lumenscope_tests::{box_room, cornell};
+
+fn paths(text: &str) -> Expression {
+    text.parse().unwrap()
+}
+
+#[test]
+fn expressions_hold_the_paths_they_say() {
+    let all = ["LE", "LDE", "LSE", "LDDE", "LDSE", "LSDE", "LSSE", "LDDDE", "LDDSE"];
+    for (text, held) in [
+        ("LE", vec!["LE"]),
+        ("LDE", vec!["LDE"]),
+        ("L(D|S)*SE", vec!["LSE", "LDSE", "LSSE", "LDDSE"]),
+        ("L.+DE", vec!["LDDE", "LSDE", "LDDDE"]),
+        ("LD{2}E|LS?E", vec!["LE", "LSE", "LDDE"]),
+        ("L D* E", vec!["LE", "LDE", "LDDE", "LDDDE"]),
+        ("L(D|S)*E", all.to_vec()),
+    ] {
+        let expression = paths(text);
+        let found: Vec<_> = all.into_iter().filter(|path| expression.holds(path)).collect();
+        assert_eq!(found, held, "{text}");
+        assert!(!expression.holds("DE") && !expression.holds("LD") && !expression.holds("LXE"));
+    }
+}
+
+#[test]
+fn the_terms_that_an_expression_means_are_found() {
+    for (text, terms) in [
+        ("L(D|S)*E", Some([true; 4])),
+        ("LE", Some([true, false, false, false])),
+        ("LDE|LE", Some([true, true, false, false])),
+        ("L(D|S)+DE", Some([false, false, true, false])),
+        ("L(D|S)*DE", Some([false, true, true, false])),
+        ("L(D|S)*SE", Some([false, false, false, true])),
+        ("LD{2}E", None),
+        ("LSE", None),
+    ] {
+        assert_eq!(paths(text).of_terms(), terms, "{text}");
+    }
+}
+
+#[test]
+fn what_is_no_expression_is_said_where() {
+    let error = |text: &str| text.parse::<Expression>().unwrap_err();
+    for (text, place) in [("L(DE", 5), ("LXE", 2), ("L)E", 2), ("LD{99}E", 3), ("L*+E", 3)] {
+        match error(text) {
+            ExpressionError::Syntax { place: found, .. } => assert_eq!(found, place, "{text}"),
+            other => panic!("{text}: {other}"),
+        }
+    }
+    assert!(matches!(error(""), ExpressionError::Nothing(_)));
+    assert!(matches!(error("DE"), ExpressionError::Nothing(_)));
+    assert!(matches!(error("L.{8}D.*E"), ExpressionError::TooLong(_)));
+}
+
+/// Mean and standard error of what arrives along rays from the camera by some paths, first channel.
+fn mean(world: &World, camera: &Camera, paths: Option<&Expression>, rays: u64) -> [f64; 2] {
+    let tracer = PathTracer::new(world);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for i in 0..rays {
+        let mut rng = Rng::new(5, i);
+        let ray = Ray::new(camera.eye, camera.ray_direction(rng.next_vec2(), 1.0));
+        let value = f64::from(match paths {
+            Some(paths) => tracer.radiance_by(&ray, paths, &mut rng).x,
+            None => tracer.radiance(&ray, &mut rng).all().iter().sum::<Vec3>().x,
+        });
+        sum += value;
+        squares += value * value;
+    }
+    let (n, mean) = (rays as f64, sum / rays as f64);
+    [mean, ((squares / n - mean * mean).max(0.0) / n).sqrt()]
+}
+
+#[test]
+fn each_bounce_in_a_furnace_is_a_power_of_the_reflectance() {
+    // Walls emit L and reflect half of it: k bounces carry L / 2^k along every ray.
+    let scene = box_room(0.5, 0.5);
+    let (world, camera) = (World::new(&scene), scene.camera);
+    let [emitted, _] = mean(&world, &camera, Some(&paths("LE")), 64);
+    for bounces in 1..=4 {
+        let [found, error] = mean(&world, &camera, Some(&paths(&format!("LD{{{bounces}}}E"))), 20_000);
+        let exact = emitted * 0.5f64.powi(bounces);
+        // Five standard errors, once in 1.7 million.
+        assert!((found - exact).abs() < 5.0 * error + 1e-6, "{bounces}: {found} ± {error}, {exact}");
+    }
+    let [none, _] = mean(&world, &camera, Some(&paths("L(D|S)*SE")), 256);
+    assert_eq!(none, 0.0, "nothing shines here");
+}
+
+#[test]
+fn parts_of_the_light_sum_to_all_of_it() {
+    let mut scene = cornell();
+    for material in &mut scene.materials {
+        (material.roughness, material.metallic) = (0.4, 0.3);
+    }
+    let (world, camera) = (World::new(&scene), scene.camera);
+    let [all, error] = mean(&world, &camera, None, 40_000);
+    let parts = ["LE", "LDE", "L(D|S)+DE", "LSE", "L(D|S)+SE"]
+        .map(|p| mean(&world, &camera, Some(&paths(p)), 40_000));
+    let (sum, spread) = parts.iter().fold((0.0, error * error), |(s, e), p| (s + p[0], e + p[1] * p[1]));
+    println!("{all} ± {error}, parts {parts:?}");
+    assert!((sum - all).abs() < 5.0 * spread.sqrt(), "{sum} against {all} ± {}", spread.sqrt());
+    assert!(parts.iter().all(|p| p[0] > 0.0));
+    let terms = PathTracer::new(&world)
+        .radiance(&Ray::new(camera.eye, camera.ray_direction(Vec2::splat(0.5), 1.0)), &mut Rng::new(1, 1));
+    assert!(terms.all().iter().all(|t| t.is_finite()));
+}
