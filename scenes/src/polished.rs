@@ -42,7 +42,7 @@ const TEAPOT: &str = "\
 ";
 
 const PYRAMID: &str = "\
-// A pyramid of polished copper on a tiled floor between a light and a blue wall: its faces mirror less the
+// A pyramid of polished copper on the tiled floor of a room with one blue wall: its faces mirror less the
 // more they face the eye, and redder.
 (
     models: [(file: \"pyramid.glb\")],
@@ -122,6 +122,10 @@ fn pyramid() -> Model {
     model.stand("Left wall", Parts::of(light, plain(left)));
     let right = [v(2.0, 0.0, -2.0), v(2.0, 0.0, 2.5), v(2.0, 2.5, 2.5), v(2.0, 2.5, -2.0)];
     model.stand("Right wall", Parts::of(light, plain(right)));
+    let front = [v(2.0, 0.0, 2.5), v(-2.0, 0.0, 2.5), v(-2.0, 2.5, 2.5), v(2.0, 2.5, 2.5)];
+    model.stand("Front wall", Parts::of(light, plain(front)));
+    let above = [v(-2.0, 2.5, -2.0), v(2.0, 2.5, -2.0), v(2.0, 2.5, 2.5), v(-2.0, 2.5, 2.5)];
+    model.stand("Ceiling", Parts::of(light, plain(above)));
     let (half, top) = (0.5, v(0.0, 0.75, 0.0));
     let foot = [v(-half, 0.001, half), v(half, 0.001, half), v(half, 0.001, -half), v(-half, 0.001, -half)];
     let mut faces = Shape::default();

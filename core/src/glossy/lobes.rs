@@ -31,7 +31,7 @@ pub struct LobeEntry {
     /// Cosine that stands for the mean over a metal's lobe: that of the mean angle between view and half vector.
     /// Not fitted as the coat's: a metal's reflectance does not grow with the angle everywhere.
     pub metal_cosine: f32,
-    /// Tangent of the angle from the mirrored direction within which [`WITHIN`] of its light comes: tan β of
+    /// Tangent of the angle from the mirrored direction within which 95 % of its light comes: tan β of
     /// Bastos 1999, Eq. 7.7.
     pub support: f32,
 }
