@@ -220,6 +220,29 @@ fn a_picture_equals_itself_and_resembles_the_reference() {
 }
 
 #[test]
+fn a_lightmap_is_held_against_our_light() {
+    let (_keep, out) = folder();
+    let map = out.join("map.exr");
+    let grey = lumenscope_core::math::image::LinearImage::from_fn(64, 64, |_, _| glam::Vec3::splat(100.0));
+    exr::write_layers(&map, &[("", &grey)], "lx").unwrap();
+    let floor = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\nvt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/4\n";
+    fs::write(out.join("floor.obj"), floor).unwrap();
+    let lamp = "Point(name: \"lamp\", at: (0.5, 1.0, 0.5), intensity: (100.0, 100.0, 100.0))";
+    fs::write(out.join("floor.ron"), format!("(models: [(file: \"floor.obj\")], lamps: [{lamp}])")).unwrap();
+    let point = out.join("floor.ron").display().to_string();
+    run(&["lightmap", &point, "--map", text(&map), "--out", text(&out)]).unwrap();
+    let bare = scene("analytic/point_over_floor.ron");
+    let error = run(&["lightmap", &bare, "--map", text(&map)]).unwrap_err();
+    assert!(error.contains("cover no texel"), "{error}");
+    for name in ["difference.png", "faults.png"] {
+        assert_eq!(image::open(out.join(name)).unwrap().width(), 64);
+    }
+    assert_eq!(exr::read_layers(&out.join("ours.exr")).unwrap()[0].1.width, 64);
+    let missing = run(&["lightmap", &point, "--map", "nothing.exr"]).unwrap_err();
+    assert!(missing.contains("nothing.exr"), "{missing}");
+}
+
+#[test]
 fn textures_are_judged_in_a_table_a_sheet_and_layers() {
     let (_keep, out) = folder();
     run(&["textures", "--out", text(&out), "--samples", "3"]).unwrap();

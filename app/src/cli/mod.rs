@@ -6,6 +6,7 @@ mod cost;
 mod glossy;
 mod headless;
 mod irradiance;
+mod lightmap;
 mod page;
 pub mod panorama;
 pub mod placement;
@@ -112,6 +113,9 @@ enum Job {
         after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out"
     )]
     Replay(replay::Options),
+    /// A lightmap baked elsewhere against our light: errors, seams, overlaps, leaks.
+    #[command(after_help = "Example: lumenscope lightmap room.glb --map baked.exr --out out")]
+    Lightmap(lightmap::Options),
     /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
     #[command(after_help = "Example: lumenscope textures --out out --samples 5")]
     Textures(textures::Options),
@@ -156,6 +160,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),
+        Some(Job::Lightmap(options)) => lightmap::run(&options, common),
         Some(Job::Textures(options)) => textures::run(&options),
         Some(Job::Glossy(options)) => glossy::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),

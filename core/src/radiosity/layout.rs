@@ -41,7 +41,7 @@ pub(super) fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> 
         .sum()
 }
 
-/// What [`SurfaceMap::new`] will lay out, known before it is laid out.
+/// What [`super::surface_map::SurfaceMap::new`] will lay out, known before it is laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElementLayout {
     /// Distance between grid nodes, m.

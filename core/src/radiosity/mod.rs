@@ -11,6 +11,7 @@
 //! light are lost), surfaces are Lambertian, and the cached transport holds for where the objects
 //! stood when it was gathered.
 
+pub mod atlas;
 mod charts;
 mod direct_light;
 mod footprint;
@@ -18,6 +19,7 @@ pub mod gather;
 pub mod inspect;
 pub mod inspect_trees;
 mod layout;
+pub mod lightmap;
 pub mod lookup;
 pub mod smooth;
 pub mod solve;

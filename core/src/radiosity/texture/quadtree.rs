@@ -121,7 +121,7 @@ impl Quadtree {
     /// A tree all of whose leaves are at level `height`.
     ///
     /// # Panics
-    /// If `height` is above [`MOST_LEVELS`].
+    /// If `height` is above 10.
     pub fn full(shape: Shape, height: u32) -> Self {
         assert!(height <= MOST_LEVELS, "height {height}, at most {MOST_LEVELS}");
         let mut tree = Self::new(shape);

@@ -1,0 +1,125 @@
+//! Atlases and lightmaps: packing, and every fault found where it was put and nowhere else.
+
+use glam::{UVec2, Vec2, Vec3};
+use lumenscope_core::{
+    math::{image::LinearImage, part::Part, progress::Progress, random::Rng},
+    measure::irradiance::relative_errors,
+    radiosity::{
+        RadiositySettings, RadiositySolution,
+        atlas::{Atlas, bake, lookup},
+        lightmap::{LightmapReport, judge},
+    },
+    scene::{Scene, world::World},
+};
+use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse};
+
+#[test]
+fn rectangles_are_packed_apart_and_densely() {
+    for (count, padding) in [(1, 0), (40, 1), (200, 2)] {
+        let sizes: Vec<UVec2> =
+            (0..count).map(|i| (Rng::new(6, i).next_vec2() * 40.0).as_uvec2() + UVec2::ONE).collect();
+        let atlas = Atlas::pack(&sizes, padding);
+        let mut used = vec![false; (atlas.size.x * atlas.size.y) as usize];
+        for (size, place) in sizes.iter().zip(&atlas.places) {
+            for y in place.y - padding..place.y + size.y + padding {
+                for x in place.x - padding..place.x + size.x + padding {
+                    assert!(x < atlas.size.x && y < atlas.size.y);
+                    let texel = &mut used[(y * atlas.size.x + x) as usize];
+                    assert!(!std::mem::replace(texel, true), "({x}, {y}) is taken twice");
+                }
+            }
+        }
+        let share = used.iter().filter(|u| **u).count() as f32 / used.len() as f32;
+        assert!(share > 0.7, "{count} rectangles fill {share} of the image");
+    }
+}
+
+fn room() -> (World, RadiositySolution) {
+    let mut scene = Scene::default();
+    let wall = diffuse("wall", Vec3::splat(0.6), Vec3::ZERO);
+    add(&mut scene, "room", cuboid(Vec3::ZERO, Vec3::new(2.0, 2.4, 3.0), true), wall);
+    add_point_lamp(&mut scene, Vec3::new(1.0, 1.4, 1.5), Vec3::splat(100.0));
+    let world = World::new(&scene);
+    let settings = RadiositySettings { element_spacing_m: Some(0.1), ..RadiositySettings::default() };
+    let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
+    (world, solution)
+}
+
+fn errors(report: &LightmapReport) -> f64 {
+    let found: Vec<Vec3> = report.texels.iter().map(|t| t.found).collect();
+    let ours: Vec<Vec3> = report.texels.iter().map(|t| t.ours).collect();
+    relative_errors(&found, &ours).expect("texels").median
+}
+
+type Uvs = Vec<Option<[Vec2; 3]>>;
+
+#[test]
+fn our_own_bake_has_no_fault_and_each_fault_is_found() {
+    let (world, solution) = room();
+    let (image, uvs) = bake(&solution, Part::All, 2);
+    assert!(uvs.iter().all(Option::is_some));
+    // The baked texture gives what the solution does, on every triangle.
+    for t in 0..world.geometry.len() as u32 {
+        let [a, b, c] = uvs[t as usize].expect("coordinates");
+        let at = lookup(&image, a * 0.3 + b * 0.5 + c * 0.2);
+        let wanted = solution.irradiance(t, Vec2::new(0.5, 0.2), false, Part::All);
+        assert!((at - wanted).abs().max_element() < 1e-3 * wanted.max_element(), "{t}: {at} for {wanted}");
+    }
+    let clean = judge(&world, &solution, &image, &uvs);
+    assert!(clean.texels.len() > 2000 && errors(&clean) < 0.01, "{} {}", clean.texels.len(), errors(&clean));
+    assert!(clean.overlapping.is_empty() && clean.stretched.is_empty() && clean.unmapped.is_empty());
+    assert!(
+        clean.seams.is_empty() && clean.dark.is_empty() && clean.leaks.is_empty() && clean.uneven.is_empty()
+    );
+
+    let with = |image: &LinearImage, change: &dyn Fn(&mut Uvs)| {
+        let mut uvs = uvs.clone();
+        change(&mut uvs);
+        judge(&world, &solution, image, &uvs)
+    };
+    let overlapping = with(&image, &|uvs| uvs[2] = uvs[0]);
+    assert!(overlapping.overlapping.len() > 50, "{}", overlapping.overlapping.len());
+    let stretched = with(&image, &|uvs| {
+        uvs[0] = uvs[0].map(|[a, b, c]| [a, a + (b - a) * 0.1, a + (b - a) * 0.1 + (c - b)]);
+    });
+    assert!(stretched.stretched.contains(&0) && stretched.stretched.len() == 1, "{:?}", stretched.stretched);
+    let uneven = with(&image, &|uvs| uvs[0] = uvs[0].map(|[a, b, c]| [a, a.lerp(b, 0.3), a.lerp(c, 0.3)]));
+    assert_eq!(uneven.uneven, [0]);
+    let outside = with(&image, &|uvs| uvs[3] = uvs[3].map(|uvs| uvs.map(|uv| uv + 1.0)));
+    assert_eq!(outside.unmapped, [3]);
+    // One triangle of the first wall half as bright as the other: a seam along their common edge.
+    let mut half = image.clone();
+    for t in clean.texels.iter().filter(|t| t.triangle == 0) {
+        half.pixels[(t.at[1] * half.width + t.at[0]) as usize] *= 0.5;
+    }
+    let seam = with(&half, &|uvs| {
+        // Shifted by a texel along the wall, as when charts are cut apart and packed anew.
+        let texel = Vec2::new(3.0 / half.width as f32, 0.0);
+        uvs[1] = uvs[1].map(|uvs| uvs.map(|uv| uv + texel));
+    });
+    assert_eq!(seam.seams.len(), 1, "{:?}", seam.seams);
+    let mut black = image.clone();
+    let dark: Vec<[u32; 2]> = clean.texels.iter().filter(|t| t.triangle == 4).map(|t| t.at).collect();
+    dark.iter().for_each(|at| black.pixels[(at[1] * black.width + at[0]) as usize] = Vec3::ZERO);
+    assert_eq!(with(&black, &|_| {}).dark.len(), dark.len());
+}
+
+#[test]
+fn light_where_there_is_none_is_a_leak() {
+    // Two rooms, one dark: a lightmap that is bright in both leaks in the second only.
+    let mut scene = Scene::default();
+    let wall = diffuse("wall", Vec3::splat(0.5), Vec3::ZERO);
+    add(&mut scene, "lit", cuboid(Vec3::ZERO, Vec3::splat(2.0), true), wall.clone());
+    let far = cuboid(Vec3::new(3.0, 0.0, 0.0), Vec3::new(5.0, 2.0, 2.0), true);
+    add(&mut scene, "dark", far, wall);
+    add_point_lamp(&mut scene, Vec3::ONE, Vec3::splat(100.0));
+    let world = World::new(&scene);
+    let settings = RadiositySettings { element_spacing_m: Some(0.2), ..RadiositySettings::default() };
+    let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
+    let (image, uvs) = bake(&solution, Part::All, 1);
+    let bright = LinearImage::from_fn(image.width, image.height, |_, _| Vec3::splat(150.0));
+    let report = judge(&world, &solution, &bright, &uvs);
+    let in_dark = |i: &usize| report.texels[*i].position.x > 2.5;
+    assert!(!report.leaks.is_empty() && report.leaks.iter().all(in_dark));
+    assert_eq!(report.leaks.len(), (0..report.texels.len()).filter(in_dark).count());
+}
