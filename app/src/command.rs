@@ -60,6 +60,8 @@ pub enum Command {
     Replace(Box<Document>),
     /// Export the picture as PNG.
     ExportPicture(PathBuf),
+    /// Export the picture with a cinder-block wall streamed into it, as PNG.
+    ExportWall(PathBuf),
     /// Export the layers as multi-layer EXR.
     ExportLayers(PathBuf),
     /// Export the open spheres as EXR.
@@ -102,6 +104,8 @@ pub enum Dialog {
     SaveSession,
     /// Where to write the picture.
     ExportPicture,
+    /// Where to write the picture with a wall in it.
+    ExportWall,
     /// Where to write the layers.
     ExportLayers,
     /// Where to write the spheres.

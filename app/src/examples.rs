@@ -10,17 +10,23 @@ pub enum Example {
     Office,
     /// The Cornell box.
     Cornell,
+    /// A teapot on a glossy table.
+    Teapot,
+    /// A pyramid of copper on a mirror.
+    Pyramid,
 }
 
 impl Example {
     /// Every example, in the order they are offered.
-    pub const ALL: [Self; 2] = [Self::Office, Self::Cornell];
+    pub const ALL: [Self; 4] = [Self::Office, Self::Cornell, Self::Teapot, Self::Pyramid];
 
     /// Title on buttons.
     pub fn title(self) -> &'static str {
         match self {
             Self::Office => "Office",
             Self::Cornell => "Cornell box",
+            Self::Teapot => "Teapot on a glossy table",
+            Self::Pyramid => "Copper pyramid",
         }
     }
 
@@ -29,6 +35,12 @@ impl Example {
         match self {
             Self::Office => "A furnished room lit by an uplighter: most of its light is indirect.",
             Self::Cornell => "Two blocks between a red and a green wall: colour bleeding at its plainest.",
+            Self::Teapot => {
+                "A glossy table between a teapot and a chequered wall: reflections blur with distance."
+            }
+            Self::Pyramid => {
+                "Flat mirrors of copper: reflectance that grows and pales towards grazing angles."
+            }
         }
     }
 
@@ -37,6 +49,8 @@ impl Example {
         match self {
             Self::Office => "example:office",
             Self::Cornell => "example:cornell",
+            Self::Teapot => "example:teapot",
+            Self::Pyramid => "example:pyramid",
         }
     }
 
@@ -51,6 +65,14 @@ impl Example {
                 ("cornell.ron", include_bytes!("../../scenes/cornell/cornell.ron")),
                 ("cornell.glb", include_bytes!("../../scenes/cornell/cornell.glb")),
             ],
+            Self::Teapot => [
+                ("teapot.ron", include_bytes!("../../scenes/glossy/teapot.ron")),
+                ("teapot.glb", include_bytes!("../../scenes/glossy/teapot.glb")),
+            ],
+            Self::Pyramid => [
+                ("pyramid.ron", include_bytes!("../../scenes/mirror/pyramid.ron")),
+                ("pyramid.glb", include_bytes!("../../scenes/mirror/pyramid.glb")),
+            ],
         }
     }
 
@@ -58,6 +80,8 @@ impl Example {
         match self {
             Self::Office => "office",
             Self::Cornell => "cornell",
+            Self::Teapot => "glossy",
+            Self::Pyramid => "mirror",
         }
     }
 

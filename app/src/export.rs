@@ -1,19 +1,25 @@
 //! Pictures, layers and panoramas as files.
 
-use crate::worker::{ExportRequest, Exported};
+use crate::{
+    cli::wall,
+    worker::{ExportRequest, Exported},
+};
 use anyhow::Result;
 use lumenscope_core::{
     io::{exr, png},
-    math::progress::Progress,
+    math::{image::LinearImage, progress::Progress},
+    scene::Scene,
     superposition::{
         PassSettings,
         accumulator::Accumulator,
         composite::{DirectQuality, Display, display},
-        layers::{Layer, Layers},
+        layers::Layer,
         panorama::panorama,
         render,
     },
+    transport::LightTransportSolution,
 };
+use std::sync::Arc;
 
 /// Frames averaged: each looks through another place in the pixels, so that edges are smooth.
 const FRAMES: u32 = 8;
@@ -31,6 +37,12 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
         return crate::cli::panorama::write(&request.path, &image, at);
     }
     progress.begin("picture");
+    if let Exported::Wall(shown) = &request.what {
+        let scene = Arc::new(Scene { camera: request.camera, ..(*request.solution.scene).clone() });
+        let solution = LightTransportSolution { scene, ..(*request.solution).clone() };
+        let (picture, _) = wall::draw(&wall::Options::beside(&solution, request.size), &solution, 1)?;
+        return write_png(request, &picture, shown);
+    }
     let mut sum = Accumulator::new();
     for frame in 0..FRAMES {
         progress.report(frame as f32 / FRAMES as f32)?;
@@ -45,7 +57,9 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
     progress.begin("writing");
     let layers = sum.mean();
     match &request.what {
-        Exported::Picture(shown) => write_png(request, &layers, shown),
+        Exported::Picture(shown) | Exported::Wall(shown) => {
+            write_png(request, &layers.sum(request.weights), shown)
+        }
         Exported::Layers | Exported::Panorama(_) => {
             let named: Vec<_> = Layer::ALL.iter().map(|&l| (l.name(), layers.get(l))).collect();
             let note = format!("{}: radiance by layer, cd/m²", request.solution.scene.name);
@@ -54,8 +68,7 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
     }
 }
 
-fn write_png(request: &ExportRequest, layers: &Layers, shown: &Display) -> Result<()> {
-    let picture = layers.sum(request.weights);
-    let pixels = display(&picture, shown);
+fn write_png(request: &ExportRequest, picture: &LinearImage, shown: &Display) -> Result<()> {
+    let pixels = display(picture, shown);
     Ok(png::write_png(&request.path, picture.width, picture.height, &pixels)?)
 }

@@ -119,6 +119,8 @@ pub enum Effect {
     ExportPanorama(PathBuf),
     /// Write the picture as PNG.
     ExportPicture(PathBuf),
+    /// Write the picture with a streamed wall in it as PNG.
+    ExportWall(PathBuf),
     /// Write the layers as EXR.
     ExportLayers(PathBuf),
     /// Stop the work in progress.
@@ -284,6 +286,7 @@ impl Session {
             Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
             Command::ExportProbe(path) => self.if_open(Effect::ExportProbe(path)),
             Command::ExportPanorama(path) => self.if_open(Effect::ExportPanorama(path)),
+            Command::ExportWall(path) => self.if_open(Effect::ExportWall(path)),
             Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
             Command::StartReference => {
                 self.reference = None;

@@ -130,6 +130,8 @@ pub enum Exported {
     Layers,
     /// The radiance that arrives at a point, m, from all around.
     Panorama(Vec3),
+    /// The picture with a cinder-block wall streamed into it.
+    Wall(Display),
 }
 
 /// The job at work.

@@ -58,7 +58,11 @@ fn a_session_is_saved_and_reopened_and_pictures_are_exported() {
     window.run(Command::ExportPicture(png.clone()));
     window.run(Command::ExportLayers(exr.clone()));
     window.wait("the exports", |app| !app.is_busy());
-    assert!(image::open(&png).unwrap().width() > 500);
+    let plain = image::open(&png).unwrap();
+    assert!(plain.width() > 500);
+    window.run(Command::ExportWall(png.clone()));
+    window.wait("the wall", |app| !app.is_busy());
+    assert_ne!(image::open(&png).unwrap(), plain, "612,000 polygons more");
     let layers = lumenscope_core::io::exr::read_layers(&exr).unwrap();
     let names = ["emitted", "direct", "indirect", "mirror", "glossy"];
     assert_eq!(layers.iter().map(|l| l.0.as_str()).collect::<Vec<_>>(), names);

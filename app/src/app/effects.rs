@@ -64,6 +64,9 @@ impl LumenscopeApp {
             Effect::ExportPicture(path) => {
                 self.export(path, Exported::Picture(self.session.document.view.display));
             }
+            Effect::ExportWall(path) => {
+                self.export(path, Exported::Wall(self.session.document.view.display));
+            }
             Effect::ExportLayers(path) => self.export(path, Exported::Layers),
             Effect::ExportPanorama(path) => match self.session.document.view.probe {
                 Some((at, _)) => self.export(path, Exported::Panorama(at)),
@@ -217,6 +220,11 @@ fn ask_for_file(
             let ask = ask.set_title("Export the picture").set_file_name(format!("{name}.png"));
             Box::pin(ask.add_filter("PNG", &["png"]).save_file())
         }
+        Dialog::ExportWall => {
+            let ask =
+                ask.set_title("Export the picture with a wall").set_file_name(format!("{name}-wall.png"));
+            Box::pin(ask.add_filter("PNG", &["png"]).save_file())
+        }
         Dialog::ExportLayers => {
             let ask = ask.set_title("Export the layers").set_file_name(format!("{name}.exr"));
             Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
@@ -242,6 +250,7 @@ fn ask_for_file(
             Dialog::AddModel => Command::AddModel(path),
             Dialog::SaveSession => Command::SaveSession(path),
             Dialog::ExportPicture => Command::ExportPicture(path),
+            Dialog::ExportWall => Command::ExportWall(path),
             Dialog::ExportLayers => Command::ExportLayers(path),
             Dialog::ExportProbe => Command::ExportProbe(path),
             Dialog::ExportPanorama => Command::ExportPanorama(path),

@@ -193,7 +193,7 @@ fn bands(picture: &LinearImage, reference: &LinearImage, distance: &[f32]) -> an
 fn flip(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<f64> {
     let display = auto_display(reference);
     let [a, b] = [picture, reference].map(|p| composite::display(p, &display));
-    Ok(f64::from(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.mean))
+    Ok(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.mean)
 }
 
 /// Milliseconds that the convolution of one frame takes.

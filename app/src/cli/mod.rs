@@ -26,7 +26,7 @@ mod tour;
 mod volume;
 mod volume_options;
 mod volume_table;
-mod wall;
+pub mod wall;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};

@@ -15,6 +15,7 @@ use lumenscope_core::{
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
+        difference::Difference,
         ignored::Ignored,
         inspect::VolumeView,
         placement::{
@@ -77,7 +78,7 @@ fn put_in(path: &Path, solution: &LightTransportSolution, folder: &Path, seed: u
         let pixels = composite::display(shown, &auto_display(shown));
         small_png::write(&folder.join(name), shown.width, shown.height, &pixels)
     };
-    write("wall.png", &wall::draw(&wall::Options::for_tour(path, SIZE), solution, seed)?.0)?;
+    write("wall.png", &wall::draw(&wall::Options::beside(solution, SIZE), solution, seed)?.0)?;
     let Some(chair) = solution.scene.objects.iter().position(|o| o.name == "Chair") else { return Ok(()) };
     write("copies.png", &copies::draw(&copies::Options::for_tour(path, SIZE), solution, chair, seed)?.0)
 }
@@ -160,6 +161,9 @@ pub fn write_pictures(
     let mut legends = serde_json::Map::new();
     for view in VIEWS {
         let Some(scene) = (view.build)(&input) else { continue };
+        if scene.is_beside_the_scene() {
+            continue;
+        }
         let mut pixels = composite::display(&sum, &display);
         overlay::draw(&mut pixels, &buffer, camera, &scene, &false_colour(&scene));
         write(&folder.join(format!("view_{}.png", view.id)), width, height, &pixels)?;
@@ -171,12 +175,20 @@ pub fn write_pictures(
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
 }
 
-/// The volume without the light that comes straight from whatever gives the most.
+/// Emitters among which the one that matters most is looked for, the strongest ones.
+const STRONGEST: usize = 6;
+
+/// The volume without the light that comes straight from whatever lights most of the air.
 fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceVolume> {
-    let list = &solution.world.emitters.list;
-    let main = list.iter().max_by(|a, b| a.flux().total_cmp(&b.flux()))?;
-    let ignored = Ignored::of([main.target()]);
-    solution.volume.as_ref()?.ignoring(&solution.world, &*solution.radiosity, ignored)
+    let volume = solution.volume.as_ref()?;
+    let mut emitters: Vec<_> = solution.world.emitters.list.iter().collect();
+    emitters.sort_by(|a, b| b.flux().total_cmp(&a.flux()));
+    let without = emitters.into_iter().take(STRONGEST).filter_map(|emitter| {
+        let ignored = Ignored::of([emitter.target()]);
+        let without = volume.ignoring(&solution.world, &*solution.radiosity, ignored)?;
+        Some((Difference::new(volume, &without, Part::All).statistics().median_relative, without))
+    });
+    without.max_by(|a, b| a.0.total_cmp(&b.0)).map(|w| w.1)
 }
 
 /// Palette over a view's own range.

@@ -84,6 +84,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
         view.volume =
             VolumeView { shown: true, colour_by: ColourBy::Validity, size: 0.12, ..VolumeView::default() };
     });
+    tour.wait("what the samples are worth", |app| app.session().inspection.is_some() && !app.is_busy())?;
     tour.photograph("volume_validity", GRAIN)?;
     tour.view(|view| *view = View { camera: view.camera, ..View::default() });
 
@@ -128,7 +129,16 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
     tour.photograph("reference", Duration::ZERO)?;
     tour.view(|view| view.compare = Compare::Difference);
-    tour.photograph("difference", GRAIN)
+    tour.photograph("difference", GRAIN)?;
+    tour.open(Example::Teapot)?;
+    tour.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
+    tour.view(|view| view.weights = [0.0, 0.0, 0.0, 1.0, 1.0]);
+    tour.photograph("specular", GRAIN)?;
+    tour.view(|view| *view = View { camera: view.camera, ..View::default() });
+    tour.view(|view| view.views = vec!["glossy.kernel".to_owned()]);
+    tour.click("Views");
+    tour.wait("the kernel", |app| app.session().inspection.is_some() && !app.is_busy())?;
+    tour.photograph("kernel", GRAIN)
 }
 
 struct Tour {

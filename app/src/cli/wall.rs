@@ -18,10 +18,7 @@ use lumenscope_core::{
     transport::LightTransportSolution,
 };
 use lumenscope_scenes::wall::Wall;
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{path::PathBuf, time::Instant};
 
 /// Options of `wall`.
 #[derive(Args)]
@@ -139,15 +136,17 @@ pub fn draw(
 }
 
 impl Options {
-    /// The wall before the office's left wall, for the tour.
-    pub fn for_tour(scene: &Path, size: [u32; 2]) -> Self {
+    /// A wall of the default make along the left side of a scene, as high as that is.
+    pub fn beside(solution: &LightTransportSolution, size: [u32; 2]) -> Self {
+        let (low, high) = solution.world.geometry.bounds();
+        let clearance = 0.002 * (high - low).x;
         Self {
-            scene: scene.to_path_buf(),
+            scene: PathBuf::from(&solution.scene.name),
             out: PathBuf::new(),
             polygons: 612_000,
-            corner: Vec3::new(-3.985, 0.0, 3.0),
-            edge_u: Vec3::Z * -6.0,
-            edge_v: Vec3::Y * 2.8,
+            corner: Vec3::new(low.x + clearance, low.y, high.z),
+            edge_u: Vec3::NEG_Z * (high - low).z,
+            edge_v: Vec3::Y * (high - low).y,
             reflectance: 0.55,
             rows: 8,
             shadow_rays: 16,

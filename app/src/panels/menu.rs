@@ -51,6 +51,14 @@ fn file(ui: &mut Ui, session: &Session, recent: &[PathBuf], out: &mut Vec<Comman
     item(ui, "Save session as…", "Ctrl+Shift+S", open, Command::Dialog(Dialog::SaveSession), out);
     ui.separator();
     item(ui, "Export picture (PNG)…", "", open, Command::Dialog(Dialog::ExportPicture), out);
+    item(
+        ui,
+        "Export picture with a streamed wall (PNG)…",
+        "",
+        open,
+        Command::Dialog(Dialog::ExportWall),
+        out,
+    );
     item(ui, "Export layers (EXR)…", "", open, Command::Dialog(Dialog::ExportLayers), out);
     ui.separator();
     item(ui, "Quit", "", true, Command::Window(Window::Quit), out);

@@ -28,6 +28,13 @@ pub struct InspectionScene {
     pub notes: Vec<String>,
 }
 
+impl InspectionScene {
+    /// Whether nothing of it stands in the scene; images, curves and words may.
+    pub fn is_beside_the_scene(&self) -> bool {
+        self.spheres.is_empty() && self.meshes.is_empty() && self.lines.is_empty() && self.labels.is_empty()
+    }
+}
+
 /// A sphere whose colour in each direction is a bin's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereGlyph {
