@@ -89,6 +89,10 @@ fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
         })
         .collect();
     let mut answers = vec![Vec3::ZERO; queries.len()];
+    let lamp = world.emitters.list[0].target();
+    group.bench_function("volume relit from cached hits after one lamp changed (goal 30 ms)", |b| {
+        b.iter(|| volume.relight(world, &radiosity, &[lamp]));
+    });
     group.bench_function("volume queries, as built: guarded, one thread", |b| {
         b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
     });

@@ -196,8 +196,8 @@ pub fn kernel(world: &World, eye: Vec3, place: Option<Vec3>) -> Option<Inspectio
         });
     }
     scene.legend = Some(Legend {
-        quantity: "weight of the kernel".into(),
-        unit: "of the peak".into(),
+        quantity: "weight over the peak".into(),
+        unit: String::new(),
         range: [0.0, 1.0],
         names: &[],
     });
