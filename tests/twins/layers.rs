@@ -1,0 +1,132 @@
+//! The terms of the picture: still, moved, shining, with guests, as a running mean.
+
+use super::*;
+use lumenscope_core::{
+    irradiance_volume::{
+        dynamic_object::{DynamicObject, Gloss},
+        moments::Order,
+    },
+    math::part::Part,
+    superposition::{PassSettings, accumulator::Accumulator, render},
+    transport::guests::Visitor,
+};
+use lumenscope_tests::{cornell, with_moved_block};
+
+/// The same light with the short block moved.
+fn moved(solution: &LightTransportSolution) -> LightTransportSolution {
+    let (moved, block) = with_moved_block(solution, Vec3::new(-0.1, 0.3, 0.2));
+    // Lattices on its sides, so that more than corners is compared.
+    let mut known = DynamicObject::new(&moved.scene, &moved.world.geometry, block as usize, Some(0.17));
+    known.occlude(&moved.world, block as usize, 1);
+    LightTransportSolution { dynamic_objects: Arc::new([(block, known)].into()), ..moved }
+}
+
+#[test]
+fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let still = solved(cornell());
+    let moved = moved(&still);
+    let order = Order::Finite(10);
+    let volume = moved.volume.as_ref().unwrap().with_moments(&[order], &moved.world, &*moved.radiosity);
+    let shining = LightTransportSolution { volume: Some(Arc::new(volume)), ..moved.clone() }
+        .with_gloss(Some(Gloss { order, eye: moved.scene.camera.eye }));
+    assert!(shining.gloss.is_some() && moved.with_gloss(shining.gloss).gloss.is_none());
+    // The last round comes back to the first solution: only placements are sent.
+    let rounds = [("still", &still), ("moved", &moved), ("shining", &shining), ("still again", &still)];
+    for (what, solution) in rounds {
+        gpu.upload(solution);
+        for direct in [DirectQuality::Elements, DirectQuality::PerPixel(4)] {
+            let camera = solution.scene.camera;
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, seed: 1, ..PassSettings::default() };
+            let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+            compare(&format!("{what}, {direct:?}"), (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+}
+
+#[test]
+fn guests_lit_by_volumes_of_their_own_agree() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    let (volume, mesh) = (solution.volume.clone().unwrap(), solution.scene.meshes[5].clone());
+    let material = solution.scene.materials[5].clone();
+    let copy = |x: f32, part| Visitor {
+        parts: vec![(mesh.clone(), material.clone())],
+        world_from_object: Affine3A::from_translation(Vec3::new(x, 1.3, 0.2))
+            * Affine3A::from_rotation_y(0.4),
+        volume: volume.clone(),
+        part,
+        known: None,
+    };
+    let dressed = solution.with_guests(&[copy(-0.5, Part::All), copy(0.5, Part::Indirect)]);
+    let camera = solution.scene.camera;
+    for direct in [DirectQuality::Elements, DirectQuality::PerPixel(2)] {
+        // Into a scene without them and out again: nothing of the one stays in the other.
+        for solution in [&dressed, &solution, &dressed] {
+            gpu.upload(solution);
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, ..PassSettings::default() };
+            let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+            compare("with guests", (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+}
+
+#[test]
+fn a_room_is_looked_into_through_its_backs() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let camera = Camera { eye: Vec3::new(2.5, 0.3, -4.0), target: Vec3::Y, ..solution.scene.camera };
+    gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+    compare("from outside", (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+}
+
+#[test]
+fn the_running_mean_is_the_accumulators() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = solved(cornell());
+    gpu.upload(&solution);
+    let camera = solution.scene.camera;
+    let mut mean = Accumulator::new();
+    let frames = 6;
+    let mut differing = vec![false; (SIZE[0] * SIZE[1]) as usize];
+    for frame in 0..frames {
+        let direct = DirectQuality::PerPixel(1);
+        let settings =
+            FrameSettings { frame_index: frame, accumulate: true, ..frame_settings(camera, direct) };
+        gpu.frame(&settings);
+        let settings = PassSettings { direct, frame, jitter: true, ..PassSettings::default() };
+        let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+        for (d, (a, b)) in differing.iter_mut().zip(gpu.triangles().iter().zip(&buffer.triangle)) {
+            *d |= a != b;
+        }
+        mean.add(&layers);
+    }
+    assert_eq!(gpu.renderer.accumulated(), frames);
+    let (gpu, cpu) = (gpu.layers(), mean.mean());
+    for layer in [Layer::Emitted, Layer::Direct, Layer::Indirect] {
+        let level = cpu.get(layer).mean().element_sum() / 3.0;
+        let mut errors: Vec<f32> = gpu
+            .get(layer)
+            .pixels
+            .iter()
+            .zip(&cpu.get(layer).pixels)
+            .zip(&differing)
+            .filter(|(_, differing)| !**differing)
+            .map(|((a, b), _)| (*a - *b).abs().max_element() / level)
+            .collect();
+        errors.sort_by(f32::total_cmp);
+        // 1e-3 on average as above; nine in ten pixels to the rounding of six sums and f32 factors.
+        let average = errors.iter().sum::<f32>() / errors.len() as f32;
+        assert!(average < 1e-3, "{}: mean {average}", layer.name());
+        assert!(errors[errors.len() * 9 / 10] < 1e-4, "{}: {}", layer.name(), errors[errors.len() * 9 / 10]);
+    }
+}

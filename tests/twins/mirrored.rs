@@ -1,0 +1,73 @@
+//! Mirrored views, and what is glossy in them.
+
+use super::*;
+use lumenscope_core::superposition::{PassSettings, accumulator::Accumulator, render};
+use lumenscope_tests::cornell;
+
+/// A box with mirrors left and right, a polished floor, a chrome block and a bent piece of metal.
+fn mirrored() -> LightTransportSolution {
+    let mut scene = cornell();
+    for material in &mut scene.materials {
+        match material.name.as_str() {
+            "red" | "green" => (material.metallic, material.roughness) = (0.9, 0.0),
+            "white" => material.roughness = 0.03,
+            "tall" => (material.metallic, material.roughness) = (1.0, 0.2),
+            "short" => (material.metallic, material.roughness) = (1.0, 0.0),
+            _ => {}
+        }
+    }
+    let short = scene.objects.iter().find(|o| o.name == "short block").unwrap().parts[0].mesh;
+    let mut bent = (*scene.meshes[short]).clone();
+    bent.normals.iter_mut().for_each(|n| *n = (*n + Vec3::new(0.2, 0.3, 0.1)).normalize());
+    scene.meshes[short] = Arc::new(bent);
+    scene.plan.mirror_depth = Some(3);
+    // Nothing bright with a sharp edge: a pixel there that one side sees otherwise would spread over a kernel.
+    let panel = scene.materials.iter_mut().find(|m| m.name == "panel").unwrap();
+    (panel.reflectance, panel.emission) = (Vec3::splat(0.7), Vec3::ZERO);
+    add_point_lamp(&mut scene, Vec3::new(0.2, 1.0, 0.7), Vec3::new(30.0, 28.0, 24.0));
+    lumenscope_tests::solved(scene, 0.2)
+}
+
+#[test]
+fn mirrors_show_what_the_specification_shows_in_them() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = mirrored();
+    // A hair off the axis: on it the room's edges run exactly through pixel centres, and which side of an edge such
+    // a pixel sees, or whether the view behind a mirror has anything there, is decided by rounding.
+    let mut front = solution.scene.camera;
+    front.eye += Vec3::new(0.013, 0.007, 0.0);
+    let aside =
+        Camera { eye: Vec3::new(0.6, 1.3, 0.8), target: Vec3::new(-0.8, 0.4, -0.5), ..Camera::default() };
+    for (name, camera) in [("front", front), ("aside", aside)] {
+        gpu.upload(&solution);
+        for direct in [DirectQuality::Elements, DirectQuality::PerPixel(8)] {
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, ..PassSettings::default() };
+            let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+            println!("{name}: {} mirrored views", gpu.renderer.mirrored_views());
+            // Where most is metal there is little direct light to err on; it has its own test.
+            let which: &[Layer] = match direct {
+                DirectQuality::Elements => &Layer::ALL[1..],
+                DirectQuality::PerPixel(_) => &[Layer::Mirror, Layer::Glossy],
+            };
+            compare_layers(name, which, (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+    assert!(gpu.renderer.mirrored_views() > 4);
+    // The mean of jittered frames, as the window shows it.
+    let mut mean = Accumulator::new();
+    for frame_index in 0..4 {
+        let direct = DirectQuality::Elements;
+        gpu.frame(&FrameSettings { frame_index, accumulate: true, ..frame_settings(aside, direct) });
+        let settings = PassSettings { direct, frame: frame_index, jitter: true, ..PassSettings::default() };
+        mean.add(&render(&solution, &aside, SIZE[0], SIZE[1], &settings).1);
+    }
+    let (found, wanted) = (gpu.layers(), mean.mean());
+    let [a, b] = [&found, &wanted].map(|l| l.get(Layer::Mirror).mean());
+    assert!((a - b).abs().max_element() < 2e-3 * b.max_element(), "{a} for {b}");
+    // Something dull is uploaded: no view, and the layers are black.
+    gpu.upload(&solved(cornell()));
+    gpu.frame(&frame_settings(aside, DirectQuality::Elements));
+    assert_eq!((gpu.renderer.mirrored_views(), gpu.layers().get(Layer::Mirror).mean()), (0, Vec3::ZERO));
+}

@@ -1,0 +1,148 @@
+//! Structures have the same layout in Rust and in WGSL.
+
+use bytemuck::offset_of;
+use lumenscope_core::{
+    glossy::gpu as glossy_gpu,
+    gpu::{frame, inspection as gpu_inspection, shaders, tables},
+    mirror::gpu as mirror_gpu,
+    radiosity::lookup::SideMap,
+};
+
+/// One structure of a program: its name, size and the offsets of its members.
+fn layout_of(program: &shaders::Program, name: &str) -> (u32, Vec<u32>) {
+    let module = naga::front::wgsl::parse_str(&program.source()).unwrap();
+    for (_, ty) in module.types.iter() {
+        if let (Some(found), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner)
+            && found == name
+        {
+            return (*span, members.iter().map(|m| m.offset).collect());
+        }
+    }
+    panic!("{} has no structure {name}", program.name);
+}
+
+macro_rules! same_layout {
+    ($program:expr, $name:literal, $ty:ty, $($field:ident),+) => {{
+        let value: $ty = bytemuck::Zeroable::zeroed();
+        let offsets: Vec<u32> = vec![$(offset_of!(value, $ty, $field) as u32),+];
+        let (size, wanted) = layout_of(&$program, $name);
+        assert_eq!(size as usize, size_of::<$ty>(), "size of {}", $name);
+        // Arrays stand for several members of the shader.
+        assert!(offsets.iter().all(|o| wanted.contains(o)), "{}: {offsets:?}, shader {wanted:?}", $name);
+        assert!(offsets.windows(2).all(|w| w[0] < w[1]), "{} is named out of order", $name);
+    }};
+}
+
+#[test]
+fn structures_have_the_same_layout_on_both_sides() {
+    use shaders::{COMPOSITE, GLOSSY, INSPECTION, MIRROR_FOLLOW, SHADE};
+    same_layout!(
+        SHADE,
+        "Frame",
+        frame::Frame,
+        eye,
+        frame,
+        forward,
+        samples,
+        right,
+        emitter_count,
+        up,
+        tree_count,
+        half_size,
+        size,
+        subpixel,
+        seed,
+        accumulated,
+        near,
+        highlighted,
+        line_width,
+        depth_bias
+    );
+    same_layout!(
+        MIRROR_FOLLOW,
+        "MirroredView",
+        mirror_gpu::ViewInfo,
+        eye,
+        reflector,
+        right,
+        parent,
+        up,
+        depth,
+        forward,
+        padding,
+        clip_normal,
+        clip_offset
+    );
+    same_layout!(GLOSSY, "Texel", glossy_gpu::TexelInfo, radiance, nearness, coverage, reflector, padding);
+    same_layout!(GLOSSY, "LevelInfo", glossy_gpu::LevelInfo, first, width, height, padding);
+    same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
+    same_layout!(MIRROR_FOLLOW, "MirroredViews", mirror_gpu::ViewTable, count, near, padding, list);
+    same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
+    same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object, reflector);
+    same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, stored_direct);
+    same_layout!(
+        SHADE,
+        "MaterialInfo",
+        tables::MaterialInfo,
+        reflectance,
+        reflectance_texture,
+        emission,
+        emission_texture,
+        double_sided,
+        diffuse_share,
+        metallic,
+        dielectric,
+        alpha,
+        padding
+    );
+    same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
+    same_layout!(SHADE, "Node", tables::Node, low, count, high, first);
+    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, padding_0, b, padding_1, c, padding_2);
+    same_layout!(SHADE, "Tree", tables::Tree, rows, root, node_count, padding);
+    same_layout!(
+        SHADE,
+        "EmitterInfo",
+        tables::EmitterInfo,
+        colour,
+        kind,
+        position,
+        cos_inner,
+        axis,
+        cos_outer,
+        first,
+        count,
+        flags,
+        area
+    );
+    same_layout!(SHADE, "EmitterTriangle", tables::EmitterTriangle, triangle, cumulative_area);
+    same_layout!(SHADE, "SideMap", SideMap, first, size, corners);
+    same_layout!(SHADE, "ElementLight", tables::ElementLight, direct, padding_0, indirect, padding_1);
+    same_layout!(
+        COMPOSITE,
+        "Composite",
+        frame::Composite,
+        weights,
+        exposure,
+        tone,
+        false_colour,
+        encode,
+        layer_count,
+        specular_weights,
+        padding
+    );
+    same_layout!(COMPOSITE, "FalseColour", frame::FalseColourTable, low, high, logarithmic, padding, palette);
+    same_layout!(COMPOSITE, "ShownTriangle", tables::TriangleInfo, material, object, reflector);
+    same_layout!(INSPECTION, "Sphere", gpu_inspection::Sphere, centre, radius, first_bin, padding);
+    same_layout!(
+        INSPECTION,
+        "LineInfo",
+        gpu_inspection::LineInfo,
+        a,
+        padding_0,
+        b,
+        padding_1,
+        colour,
+        padding_2
+    );
+    same_layout!(INSPECTION, "InspectionSettings", gpu_inspection::InspectionSettings, bins, encode, padding);
+}
