@@ -3,8 +3,9 @@
 use glam::{Affine3A, Quat, Vec3};
 use lumenscope::{
     command::Command,
+    copies::{Copies, CopyVolume},
     pipeline::can_follow,
-    session::{Compare, Document, Effect, Session, View},
+    session::{Against, Compare, Document, Effect, Session, View},
     session_file,
 };
 use lumenscope_core::{
@@ -222,4 +223,98 @@ fn what_cannot_be_placed_is_said_and_left() {
     }
     assert_eq!(state(&session), first);
     assert!(!session.history.can_undo());
+}
+
+/// Two copies of an object, the right one lit by a kept volume.
+fn copies(session: &Session, object: usize, kept: usize) -> Copies {
+    let mut copies = Copies::of(session.scene.as_ref().unwrap(), object);
+    copies.lights[1].volume = CopyVolume::Kept(kept);
+    copies
+}
+
+#[test]
+fn a_forgotten_volume_leaves_the_others_where_they_were() {
+    let mut session = session();
+    let volume = || SOLVED.volume.clone().expect("the room has a volume");
+    (0..3).for_each(|_| session.keep(volume(), "radiosity"));
+    let mut view = session.document.view.clone();
+    view.volume.against = Against::Kept(2);
+    view.copies = Some(copies(&session, 5, 2));
+    session.apply(Command::View(Box::new(view)));
+    let lights = |session: &Session| session.document.view.copies.unwrap().lights.map(|l| l.volume);
+
+    let (name, meant) = (session.kept[2].name.clone(), session.kept[2].volume.clone());
+    let effects = session.apply(Command::ForgetVolume(0));
+    assert_eq!(effects, [Effect::Inspect, Effect::Copies]);
+    assert_eq!(lights(&session), [CopyVolume::Present, CopyVolume::Kept(1)]);
+    assert_eq!(session.document.view.volume.against, Against::Kept(1));
+    assert!(session.kept[1].name == name && Arc::ptr_eq(&session.kept[1].volume, &meant));
+
+    session.keep(volume(), "radiosity");
+    let mut names: Vec<_> = session.kept.iter().map(|k| &k.name).collect();
+    names.dedup();
+    assert_eq!(names.len(), 3, "no two are called the same: {names:?}");
+
+    session.apply(Command::ForgetVolume(1));
+    assert_eq!(lights(&session)[1], CopyVolume::Present, "its own volume is gone");
+    assert!(session.apply(Command::ForgetVolume(9)).is_empty());
+}
+
+#[test]
+fn copies_of_a_model_go_with_it() {
+    let mut session = session();
+    let mut with = Scene::clone(&SCENE);
+    with.objects.push(with.objects[5].clone());
+    let added = with.objects.len() - 1;
+    session.reopen(vec!["stool.obj".into()], Arc::new(with));
+    let copies = Some(copies(&session, added, 0));
+    session.apply(Command::View(Box::new(View { copies, ..session.document.view.clone() })));
+    assert!(session.document.view.copies.is_some());
+    let effects = session.apply(Command::Undo);
+    assert!(session.document.view.copies.is_none(), "what is gone cannot be copied");
+    assert!(effects.contains(&Effect::Copies), "{effects:?}");
+    session.apply(Command::Redo);
+    assert!(session.document.view.copies.is_none(), "a look is not undone");
+}
+
+#[test]
+fn weights_and_light_paths_agree() {
+    let mut session = session();
+    let look = |session: &mut Session, change: &dyn Fn(&mut View)| {
+        let mut view = session.document.view.clone();
+        change(&mut view);
+        session.apply(Command::View(Box::new(view)))
+    };
+    let indirect = [0.0, 0.0, 1.0, 0.0, 0.0];
+    look(&mut session, &|v| v.paths = "L(D|S)+DE".into());
+    assert_eq!(session.document.view.weights, indirect);
+    look(&mut session, &|v| v.compare = Compare::Difference);
+    assert_eq!(session.document.view.compare, Compare::Difference);
+
+    // Half typed, nothing is traced and nothing shown is thrown away.
+    let effects = look(&mut session, &|v| v.paths = "L(D|S)+D".into());
+    assert!(effects.is_empty(), "{effects:?}");
+    assert_eq!(
+        (session.document.view.weights, session.document.view.compare),
+        (indirect, Compare::Difference)
+    );
+    assert_eq!(look(&mut session, &|v| v.camera.eye.y += 0.1), [Effect::DropReference]);
+    assert!(session.apply(Command::StartReference).is_empty());
+
+    // No weights show two bounces: there is nothing that the reference could be compared with.
+    assert_eq!(look(&mut session, &|v| v.paths = "LD{2}E".into()), [Effect::Reference]);
+    assert_eq!(session.document.view.compare, Compare::Reference);
+    look(&mut session, &|v| v.compare = Compare::Difference);
+    assert_eq!(session.document.view.compare, Compare::Reference);
+
+    // Weights set by hand are no expression's.
+    assert_eq!(look(&mut session, &|v| v.weights[0] = 0.5), [Effect::Reference]);
+    assert_eq!(session.document.view.paths, "");
+    look(&mut session, &|v| v.compare = Compare::Difference);
+    assert_eq!(session.document.view.compare, Compare::Difference);
+
+    // A file in which they disagree is read as its expression says.
+    let view = View { paths: "LDE".into(), weights: indirect, ..session.document.view.clone() };
+    session.open(Document { view, ..Document::default() }, Arc::clone(&SCENE), None, false);
+    assert_eq!(session.document.view.weights, [0.0, 1.0, 0.0, 0.0, 0.0]);
 }

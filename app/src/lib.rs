@@ -9,6 +9,7 @@ pub mod examples;
 pub mod export;
 pub mod history;
 pub mod journal;
+pub mod light_paths;
 pub mod panels;
 pub mod pipeline;
 pub mod placement;

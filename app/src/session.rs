@@ -8,10 +8,12 @@ pub use crate::document::{Against, Compare, Document, Edits, View, VolumeView};
 
 use crate::{
     command::{Command, Dialog, Window},
+    copies::CopyVolume,
     document::{dim_problem, exists, place_problem},
     examples::Example,
     history::{History, Key},
     journal::Journal,
+    light_paths::LightPaths,
     pipeline::VolumeSource,
     widgets::Probe,
 };
@@ -40,6 +42,8 @@ pub struct Session {
     pub scene: Option<Arc<Scene>>,
     /// Its light, possibly of an earlier edit.
     pub solution: Option<Arc<LightTransportSolution>>,
+    /// Which light the view's expression asks for.
+    pub light_paths: LightPaths,
     /// The reference picture so far, cd/m².
     pub reference: Option<Reference>,
     /// The open spheres.
@@ -52,6 +56,8 @@ pub struct Session {
     pub measurement: Option<Arc<Measurement>>,
     /// Volumes kept to be compared with; they last until another scene is opened.
     pub kept: Vec<Kept>,
+    /// How many volumes were ever kept of this scene: no two have the same name.
+    kept_so_far: usize,
     /// What the views switched on put into the scene.
     pub inspection: Option<Arc<InspectionScene>>,
     /// What happened.
@@ -205,6 +211,10 @@ impl Session {
         self.bases = vec![(document.edits.added.clone(), Arc::clone(&scene))];
         self.base = Some(scene);
         self.saved = document.edits.clone();
+        self.light_paths = LightPaths::read(&document.view.paths);
+        if !document.view.paths.is_empty() {
+            document.view.weights = self.light_paths.weights().unwrap_or(document.view.weights);
+        }
         self.document = document;
         self.file = file;
         self.history = History::default();
@@ -215,6 +225,7 @@ impl Session {
         self.measurement = None;
         self.inspection = None;
         self.kept.clear();
+        self.kept_so_far = 0;
     }
 
     /// Takes the open scene with models added, as one step of the history.
@@ -288,10 +299,16 @@ impl Session {
             Command::ExportPanorama(path) => self.if_open(Effect::ExportPanorama(path)),
             Command::ExportWall(path) => self.if_open(Effect::ExportWall(path)),
             Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
-            Command::StartReference => {
-                self.reference = None;
-                self.if_open(Effect::Reference)
-            }
+            Command::StartReference => match self.light_paths.traced() {
+                Ok(_) => {
+                    self.reference = None;
+                    self.if_open(Effect::Reference)
+                }
+                Err(error) => {
+                    self.log.warn(format!("no reference: {error}"));
+                    Vec::new()
+                }
+            },
             Command::KeepVolume => {
                 let volume = self.solution.as_ref().and_then(|s| s.volume.clone());
                 match volume {
@@ -301,16 +318,23 @@ impl Session {
                 vec![Effect::Inspect]
             }
             Command::ForgetVolume(number) => {
-                if number < self.kept.len() {
-                    self.kept.remove(number);
+                if number >= self.kept.len() {
+                    return Vec::new();
                 }
-                let against = &mut self.document.view.volume.against;
-                *against = match *against {
-                    Against::Kept(n) if n == number => Against::Ignoring,
-                    Against::Kept(n) if n > number => Against::Kept(n - 1),
+                self.kept.remove(number);
+                let view = &mut self.document.view;
+                view.volume.against = match view.volume.against {
+                    Against::Kept(n) => renumbered(n, number).map_or(Against::Ignoring, Against::Kept),
                     other => other,
                 };
-                vec![Effect::Inspect]
+                let mut effects = vec![Effect::Inspect];
+                for light in view.copies.iter_mut().flat_map(|c| &mut c.lights) {
+                    if let CopyVolume::Kept(n) = light.volume {
+                        light.volume = renumbered(n, number).map_or(CopyVolume::Present, CopyVolume::Kept);
+                        effects = vec![Effect::Inspect, Effect::Copies];
+                    }
+                }
+                effects
             }
             Command::CompareWith(source) => self.if_open(Effect::OtherVolume(source)),
             Command::Cancel => vec![Effect::Cancel],
@@ -322,10 +346,11 @@ impl Session {
 
     /// Keeps a volume and compares with it; `source` is where its light comes from.
     pub fn keep(&mut self, volume: Arc<IrradianceVolume>, source: &str) {
-        let number = self.kept.len() + 1;
+        self.kept_so_far += 1;
         let (samples, bins) = (volume.samples().len(), volume.bins().len());
-        self.kept.push(Kept { name: format!("{number}: {source}, {samples} × {bins}"), volume });
-        self.document.view.volume.against = Against::Kept(number - 1);
+        let name = format!("{}: {source}, {samples} × {bins}", self.kept_so_far);
+        self.kept.push(Kept { name, volume });
+        self.document.view.volume.against = Against::Kept(self.kept.len() - 1);
     }
 
     fn if_open(&mut self, effect: Effect) -> Vec<Effect> {
@@ -374,9 +399,13 @@ impl Session {
         let scene = edits.applied(base);
         let view = &mut self.document.view;
         view.selected = view.selected.filter(|&t| exists(&scene, t));
+        let copied = view.copies;
+        view.copies = copied.filter(|c| c.fits(&scene));
+        let mut effects = Vec::new();
+        effects.extend((view.copies != copied).then_some(Effect::Copies));
         self.base = Some(Arc::clone(base));
         self.scene = Some(Arc::new(scene));
-        let mut effects = vec![Effect::Follow { dragging }];
+        effects.push(Effect::Follow { dragging });
         effects.extend(self.outdate_reference());
         effects
     }
@@ -389,6 +418,7 @@ impl Session {
         let scene = self.scene.as_deref();
         view.selected = view.selected.filter(|&t| scene.is_some_and(|s| exists(s, t)));
         view.copies = view.copies.filter(|c| scene.is_some_and(|s| c.fits(s)));
+        let new_paths = self.look_at_paths(&mut view);
         let old = std::mem::replace(&mut self.document.view, view);
         let view = &self.document.view;
         let mut effects = Vec::new();
@@ -403,22 +433,43 @@ impl Session {
             effects.push(Effect::Inspect);
         }
         effects.extend((view.copies != old.copies).then_some(Effect::Copies));
-        let moved = view.camera != old.camera || view.paths != old.paths;
+        let moved = view.camera != old.camera || new_paths;
         let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;
         if moved {
             effects.extend(self.outdate_reference());
-        } else if asked && self.scene.is_some() {
+        } else if asked && self.scene.is_some() && self.light_paths.traced().is_ok() {
             effects.push(Effect::Reference);
         }
         effects
     }
 
+    /// Lets weights follow the light-path expression of a new view, and the expression give way to weights
+    /// set by hand; whether another light is meant now. What cannot be read changes nothing.
+    fn look_at_paths(&mut self, view: &mut View) -> bool {
+        let old = &self.document.view;
+        let mut other = false;
+        if view.paths != old.paths {
+            self.light_paths = LightPaths::read(&view.paths);
+            view.weights = self.light_paths.weights().unwrap_or(view.weights);
+            other = self.light_paths.traced().is_ok();
+        } else if view.weights != old.weights && !view.paths.is_empty() {
+            view.paths.clear();
+            self.light_paths = LightPaths::All;
+            other = true;
+        }
+        if view.compare == Compare::Difference && !self.light_paths.is_comparable() {
+            view.compare = Compare::Reference;
+        }
+        other
+    }
+
     fn outdate_reference(&mut self) -> Option<Effect> {
         let had = self.reference.take().is_some();
-        if self.document.view.compare != Compare::Picture {
+        let shown = self.document.view.compare != Compare::Picture;
+        if shown && self.light_paths.traced().is_ok() {
             Some(Effect::Reference)
         } else {
-            had.then_some(Effect::DropReference)
+            (had || shown).then_some(Effect::DropReference)
         }
     }
 
@@ -428,6 +479,11 @@ impl Session {
             _ => format!("{target:?}"),
         }
     }
+}
+
+/// The number of what had the number `n` before `gone` was taken away; `None` for that itself.
+fn renumbered(n: usize, gone: usize) -> Option<usize> {
+    (n != gone).then_some(if n > gone { n - 1 } else { n })
 }
 
 const NOTHING_OPEN: &str = "no scene is open";

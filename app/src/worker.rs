@@ -308,9 +308,19 @@ impl Worker {
         self.put(Rank::Any, |slots| slots.exports.push_back(request));
     }
 
-    /// Gives up whatever is at work or waiting.
-    pub fn cancel(&self) {
+    /// Gives up whatever is at work or waiting; true where that was putting copies in, which are gone then.
+    pub fn cancel(&self) -> bool {
+        let mut undressed = false;
         self.put(Rank::Stop, |slots| {
+            let job = slots.job.as_ref().map(|j| j.name);
+            // Copies that wait for light that is being solved go in whenever that is taken up again.
+            let waiting = slots.dress && job != Some(LIGHT);
+            undressed = waiting || job == Some(COPIES);
+            if undressed {
+                slots.copies = None;
+            }
+            // What is on screen may have had copies elsewhere.
+            slots.dress = waiting;
             slots.load = None;
             slots.scene = None;
             slots.refine = false;
@@ -319,8 +329,8 @@ impl Worker {
             slots.reference = Some(None);
             slots.other_volume = None;
             slots.measure = false;
-            slots.dress = false;
         });
+        undressed
     }
 
     fn put(&self, rank: Rank, change: impl FnOnce(&mut Slots)) {
@@ -346,3 +356,4 @@ impl Drop for Worker {
 }
 
 const LIGHT: &str = "Solving light";
+const COPIES: &str = "Putting the copies in";

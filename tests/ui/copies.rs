@@ -4,6 +4,8 @@ use crate::window::Window;
 use lumenscope::{
     command::Command,
     copies::{Copies, CopyVolume},
+    pipeline::VolumeSource,
+    session::View,
 };
 use lumenscope_core::{math::part::Part, scene::Target};
 
@@ -51,4 +53,23 @@ fn two_copies_are_lit_by_two_volumes_at_once() {
     assert!(window.view().copies.is_none());
     window
         .wait("the scene alone", |app| app.session().solution.as_ref().is_some_and(|s| s.guests.is_empty()));
+}
+
+#[test]
+fn copies_that_were_stopped_are_gone_from_the_view_too() {
+    let mut window = Window::on_room();
+    window.wait_picture();
+    let ctx = window.harness.ctx.clone();
+    let copies = Some(Copies::of(&window.scene(), 1));
+    let view = View { copies, ..window.view() };
+    // While a volume is traced, the copies wait.
+    let app = window.harness.state_mut();
+    app.run(&ctx, Command::CompareWith(VolumeSource::Reference));
+    app.run(&ctx, Command::View(Box::new(view)));
+    app.run(&ctx, Command::Cancel);
+    window.wait("the end of the work", |app| !app.is_busy());
+    window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.5, dragging: false });
+    window.wait_lit();
+    let guests = window.app().session().solution.as_ref().map_or(0, |s| s.guests.len());
+    assert_eq!((window.view().copies.is_some(), guests), (false, 0));
 }

@@ -3,6 +3,7 @@
 mod copies;
 mod edits;
 mod inspector;
+mod light_paths;
 mod placement;
 mod pointer;
 mod volumes;
@@ -72,29 +73,6 @@ fn layers_and_views_follow_their_keys() {
                 .wait("a reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 2));
         }
     }
-}
-
-#[test]
-fn light_paths_choose_layers_or_ask_for_the_reference() {
-    let mut window = Window::on_room();
-    window.wait_picture();
-    let show = |window: &mut Window, paths: &str| {
-        let field = "Expression of light paths";
-        window.harness.get_by_label(field).focus();
-        window.harness.run_steps(2);
-        window.harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-        window.harness.run_steps(2);
-        window.harness.get_by_label(field).type_text(paths);
-        window.harness.run_steps(3);
-        assert_eq!(window.view().paths, paths);
-    };
-    show(&mut window, "L(D|S)+DE");
-    assert_eq!(window.view().weights, [0.0, 0.0, 1.0, 0.0, 0.0]);
-    window.keep("paths");
-    show(&mut window, "LD{2}E");
-    window.harness.get_by_label("No sum of the layers is this light: the reference shows it (R).");
-    show(&mut window, "LD{2");
-    window.harness.get_by_label_contains("a count that is not one of");
 }
 
 #[test]

@@ -48,9 +48,10 @@ impl LumenscopeApp {
             Effect::Measure => self.worker.measure(self.session.document.edits.placement.clone()),
             Effect::Inspect => self.inspect(),
             Effect::Reference => {
+                let Ok(paths) = self.session.light_paths.traced() else { return };
+                let paths = paths.cloned();
                 let size = self.picture_size(REFERENCE_WIDTH);
                 let camera = self.session.document.view.camera;
-                let paths = self.session.document.view.paths.parse().ok();
                 self.worker.reference(Some(ReferenceRequest { camera, size, paths }));
             }
             Effect::Copies => {
@@ -72,7 +73,11 @@ impl LumenscopeApp {
                 Some((at, _)) => self.export(path, Exported::Panorama(at)),
                 None => self.no_spheres(),
             },
-            Effect::Cancel => self.worker.cancel(),
+            Effect::Cancel => {
+                if self.worker.cancel() {
+                    self.session.document.view.copies = None;
+                }
+            }
             Effect::Dialog(dialog) => self.ask(dialog, None, ctx),
             Effect::Window(window) => self.change_window(window, ctx),
         }

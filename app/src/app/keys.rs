@@ -51,8 +51,8 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
     if with(Modifiers::NONE, Key::R) {
         view.compare = match view.compare {
             Compare::Picture => Compare::Reference,
-            Compare::Reference => Compare::Difference,
-            Compare::Difference => Compare::Picture,
+            Compare::Reference if session.light_paths.is_comparable() => Compare::Difference,
+            Compare::Reference | Compare::Difference => Compare::Picture,
         };
     }
     if with(Modifiers::NONE, Key::V) {

@@ -3,16 +3,16 @@
 use super::{edit_view, section};
 use crate::{
     command::Command,
+    light_paths::LightPaths,
     session::{Session, View},
 };
 use egui::{Checkbox, ComboBox, DragValue, Grid, Slider, TextEdit, Ui};
 use lumenscope_core::{
     irradiance_volume::moments::Order,
     math::false_colour::{FalseColour, Palette},
-    reference::expression::{Expression, ExpressionError},
     superposition::{
         composite::{DirectQuality, ToneCurve},
-        layers::{COUNT, Layer, Weights},
+        layers::{COUNT, Layer},
     },
 };
 
@@ -20,7 +20,7 @@ use lumenscope_core::{
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     edit_view(&session.document.view, out, |view| {
         layers(ui, view);
-        section(ui, "Light paths", |ui| paths(ui, view));
+        section(ui, "Light paths", |ui| paths(ui, &session.light_paths, view));
         section(ui, "Display", |ui| display(ui, view));
         section(ui, "Movable objects", |ui| gloss(ui, session, view));
     });
@@ -92,8 +92,7 @@ const PATHS: [(&str, &str); 8] = [
     ("LS+DE", "caustics"),
 ];
 
-fn paths(ui: &mut Ui, view: &mut View) {
-    let before = view.paths.clone();
+fn paths(ui: &mut Ui, shown: &LightPaths, view: &mut View) {
     ui.horizontal(|ui| {
         let edit = TextEdit::singleline(&mut view.paths).hint_text("L(D|S)*E").desired_width(120.0);
         let edit = ui.add(edit).on_hover_text(
@@ -108,36 +107,15 @@ fn paths(ui: &mut Ui, view: &mut View) {
             }
         });
     });
-    let weights = weights_of(&view.paths);
-    if view.paths != before
-        && let Ok(Some(weights)) = weights
-    {
-        view.weights = weights;
-    }
-    match weights {
-        Ok(Some(_)) => {}
-        Ok(None) => {
+    match shown {
+        LightPaths::All | LightPaths::Some { weights: Some(_), .. } => {}
+        LightPaths::Some { weights: None, .. } => {
             ui.weak("No sum of the layers is this light: the reference shows it (R).");
         }
-        Err(error) => {
+        LightPaths::Unreadable(error) => {
             ui.colored_label(ui.visuals().warn_fg_color, error.to_string());
         }
     }
-}
-
-/// Weights by which the layers show the light of an expression; `None` where no weights do.
-///
-/// # Errors
-/// Where it is no expression.
-pub fn weights_of(paths: &str) -> Result<Option<Weights>, ExpressionError> {
-    if paths.trim().is_empty() {
-        return Ok(Some([1.0; COUNT]));
-    }
-    let terms = paths.parse::<Expression>()?.of_terms();
-    let weights = |[emitted, direct, indirect, specular]: [bool; 4]| {
-        [emitted, direct, indirect, specular, specular].map(|on| f32::from(u8::from(on)))
-    };
-    Ok(terms.map(weights))
 }
 
 /// Whether one layer is shown alone.

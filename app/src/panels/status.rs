@@ -125,6 +125,10 @@ fn title(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new(facts).small().weak());
 }
 
+/// Why there is no difference to be shown.
+const NOT_COMPARABLE: &str =
+    "No sum of the layers is the light of this expression: there is nothing to compare the reference with.";
+
 fn compare(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
     let view = &session.document.view;
     for (compare, label, hint) in [
@@ -136,8 +140,11 @@ fn compare(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
         ),
         (Compare::Difference, "Difference", "|Y − Y_ref|: absolute difference of luminance, cd/m²."),
     ] {
-        let button =
-            ui.add_enabled(session.scene.is_some(), egui::Button::selectable(view.compare == compare, label));
+        let comparable = compare != Compare::Difference || session.light_paths.is_comparable();
+        let enabled = session.scene.is_some() && comparable;
+        let button = ui
+            .add_enabled(enabled, egui::Button::selectable(view.compare == compare, label))
+            .on_disabled_hover_text(NOT_COMPARABLE);
         if button.on_hover_text(format!("{hint} (R)")).clicked() {
             edit_view(view, out, |v| v.compare = compare);
         }

@@ -1,8 +1,8 @@
 //! The thread behind the worker: takes what is wanted most and does it.
 
 use super::{
-    ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared, Slots,
-    Source, VolumeSource,
+    COPIES, ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared,
+    Slots, Source, VolumeSource,
 };
 use crate::{export, pipeline, placement::Placement};
 use anyhow::Result;
@@ -248,11 +248,13 @@ impl Bench {
             *object == request.copies.object && mesh.as_ref().is_some_and(|m| Arc::ptr_eq(m, of))
         });
         let known = known.map(|c| c.2.clone());
-        let dressed = self.job("Putting the copies in", Rank::Stop, |_, progress| {
+        let dressed = self.job(COPIES, Rank::Stop, |_, progress| {
             progress.begin("copies");
             request.dress(&bare, known.as_ref())
         });
-        let Some(dressed) = dressed else { return self.tell(News::Solution(bare)) };
+        // A stop may have taken the copies away meanwhile.
+        let wanted = self.shared.slots().copies.is_some();
+        let Some(dressed) = dressed.filter(|_| wanted) else { return self.tell(News::Solution(bare)) };
         if let (Some(mesh), Some(guest)) = (mesh, dressed.guests.first()) {
             self.copied = Some((request.copies.object, mesh, guest.known.clone()));
         }
