@@ -62,6 +62,17 @@ fn what_is_no_expression_is_said_where() {
     assert!(matches!(error(""), ExpressionError::Nothing(_)));
     assert!(matches!(error("DE"), ExpressionError::Nothing(_)));
     assert!(matches!(error("L.{8}D.*E"), ExpressionError::TooLong(_)));
+    // Whatever is typed, the answer comes at once and in a line.
+    let nested = |n: usize| format!("L{}D{}E", "(".repeat(n), ")".repeat(n));
+    assert!(nested(32).parse::<Expression>().is_ok());
+    assert!(matches!(error(&nested(33)), ExpressionError::Syntax { place: 34, .. }));
+    let grown = |count: &str| format!("L{}D{}E", "(".repeat(20), format!("){count}").repeat(20));
+    for text in [nested(50_000), "D".repeat(100_000), grown("{16}"), grown("{16}?"), grown("|S)+(D").clone()]
+    {
+        assert!(error(&text).to_string().len() < 512);
+    }
+    assert!(matches!(error(&grown("{16}")), ExpressionError::TooLong(_)));
+    assert_eq!(paths(&grown("+")).of_terms(), paths("LD+E").of_terms());
 }
 
 /// Mean and standard error of what arrives along rays from the camera by some paths, first channel.

@@ -3,11 +3,13 @@
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::{InspectionScene, Line, SphereGlyph},
+    irradiance_volume::panorama::direction,
     math::{
         colour::{luminance, srgb8},
         false_colour::{FalseColour, Palette},
         image::LinearImage,
         part::Part,
+        progress::Progress,
         sphere_map::DirectionBins,
     },
     scene::{Scene, camera::Camera},
@@ -17,7 +19,9 @@ use lumenscope_core::{
         composite::{self, DifferenceDisplay, DirectQuality, Display, FAULT, ToneCurve, auto_exposure},
         gbuffer::NO_TRIANGLE,
         layers::Layer,
-        overlay, render,
+        overlay,
+        panorama::panorama,
+        render,
     },
     transport::LightTransportSolution,
 };
@@ -44,6 +48,42 @@ fn floor_and_lamp(position: Vec3, intensity: Vec3) -> Scene {
     scene.camera =
         Camera { eye: Vec3::new(0.0, 3.0, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.9 };
     scene
+}
+
+#[test]
+fn a_panorama_shows_what_a_picture_does_with_mirrors_metals_and_moved_objects() {
+    let mut scene = cornell();
+    for material in &mut scene.materials {
+        match material.name.as_str() {
+            "red" => (material.metallic, material.roughness) = (0.9, 0.0),
+            "tall" => (material.metallic, material.roughness) = (1.0, 0.9),
+            _ => {}
+        }
+    }
+    let (solution, _) = with_moved_block(&solved(scene), Vec3::new(-0.3, 0.4, 0.1));
+    let (eye, height) = (Vec3::new(0.3, 0.9, 0.9), 12);
+    let image = panorama(&solution, eye, height, 1, &Progress::silent()).unwrap();
+    let settings = PassSettings { direct: DirectQuality::PerPixel(16), ..PassSettings::default() };
+    let (mut sums, mut black) = ([0.0f32; 3], 0);
+    for (i, shown) in image.pixels.iter().enumerate() {
+        let [x, y] = [i as u32 % (2 * height), i as u32 / (2 * height)];
+        let along = direction((Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(24.0, 12.0));
+        let camera =
+            Camera { eye, target: eye + along, up: along.any_orthonormal_vector(), vertical_fov: 0.1 };
+        let (_, layers) = render(&solution, &camera, 1, 1, &settings);
+        let pixel: Vec3 = layers.images.iter().map(|l| l.pixels[0]).sum();
+        black += u32::from((*shown == Vec3::ZERO) != (pixel == Vec3::ZERO));
+        sums[0] += (*shown - pixel).abs().x;
+        sums[1] += shown.x;
+        sums[2] += pixel.x;
+    }
+    // They differ in the scramble of their shadow rays alone.
+    assert!(sums[0] < 0.02 * sums[2], "off by {} of {}", sums[0], sums[2]);
+    assert_eq!(black, 0);
+    // The largest the command line takes: its rays are more than 32 bits count.
+    let progress = Progress::silent();
+    progress.cancel();
+    assert!(panorama(&solution, eye, 16, 16_384, &progress).is_err());
 }
 
 #[test]

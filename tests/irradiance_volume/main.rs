@@ -416,6 +416,8 @@ fn bad_settings_and_cancellation_are_errors() {
         VolumeSettings { second_level: 1, ..VolumeSettings::default() },
         VolumeSettings { supersample: 0, ..VolumeSettings::default() },
         VolumeSettings { back_face_limit: f32::NAN, ..VolumeSettings::default() },
+        // Fewer samples than the guard's table of cells allows: 4 bytes each would be more than memory.
+        VolumeSettings { guard: true, second_level: 9, ..small([128; 3]) },
     ] {
         let result = IrradianceVolume::build(&world, &light, &settings, &Progress::silent());
         assert!(matches!(result, Err(VolumeError::Setting { .. })));
@@ -432,7 +434,7 @@ fn bad_settings_and_cancellation_are_errors() {
         &VolumeSettings::default(),
         &Progress::silent(),
     );
-    assert!(matches!(result, Err(VolumeError::Bounds { .. })) || result.is_ok());
+    assert!(result.unwrap().irradiance(Vec3::ZERO, Vec3::Y, Part::All).is_finite());
     let nothing = IrradianceVolume::build(
         &World::new(&Scene::default()),
         &PerTriangle(Vec::new()),

@@ -59,8 +59,7 @@ impl IrradianceVolume {
                     for k in 0..paths {
                         let direction = bins.direction(bin, r2_point(k, scramble));
                         let ray = Ray::new(self.samples[s].position, direction);
-                        let terms = tracer.radiance(&ray, &mut rng);
-                        let reflected = terms.direct + terms.indirect;
+                        let reflected = tracer.radiance(&ray, &mut rng).reflected();
                         *radiance += if reflected.is_finite() { reflected } else { Vec3::ZERO };
                     }
                     *radiance /= paths as f32;

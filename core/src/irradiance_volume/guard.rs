@@ -20,6 +20,9 @@ use std::sync::{Arc, OnceLock};
 /// Parts along each edge of a cell; 4³ are the bits of a word.
 pub(super) const PARTS: u32 = 4;
 
+/// Parts of a whole grid that are looked through when a guard is made, at most: a byte each.
+pub(super) const MOST_PARTS: u64 = 1 << 28;
+
 /// A cell as the guard knows it.
 pub(super) struct Watched {
     pub low: Vec3,
@@ -71,6 +74,11 @@ impl std::fmt::Debug for Guard {
 }
 
 impl Guard {
+    /// Whether a grid of `size` cells, each cut in `inner` an axis, has few enough parts, [`MOST_PARTS`].
+    pub(super) fn fits(size: UVec3, inner: u32) -> bool {
+        (size * inner * PARTS).to_array().iter().map(|n| u64::from(*n)).product::<u64>() <= MOST_PARTS
+    }
+
     /// Of what stands still in a world.
     pub(super) fn new(world: &World, grid: &BilevelGrid, samples: &[Sample]) -> Self {
         let geometry = &world.geometry;

@@ -21,7 +21,7 @@ use crate::{
     },
     scene::{
         accel::{Hit, Ray},
-        geometry::{Surface, offset_origin},
+        geometry::Surface,
         world::World,
     },
 };
@@ -301,9 +301,9 @@ impl<L: SurfaceLight> Walk<'_, L> {
             if attenuation.max_element() < self.cutoff || attenuation == Vec3::ZERO {
                 return;
             }
-            direction = mirrored(direction, &surface);
-            let origin = offset_origin(surface.position, surface.geometric_normal);
-            let Some(hit) = self.world.accel.trace(&Ray::new(origin, direction)) else { return };
+            let ray = surface.mirrored(direction);
+            direction = ray.direction;
+            let Some(hit) = self.world.accel.trace(&ray) else { return };
             surface = self.world.geometry.surface(hit.triangle, hit.barycentric, direction);
             if !self.world.geometry.is_lit(&surface) {
                 return;
@@ -323,11 +323,4 @@ impl<L: SurfaceLight> Walk<'_, L> {
             }
         }
     }
-}
-
-/// Direction d − 2 (d·n) n about the shading normal, or about the plane's where that would go through it.
-fn mirrored(direction: Vec3, surface: &Surface) -> Vec3 {
-    let about = |n: Vec3| direction - 2.0 * direction.dot(n) * n;
-    let shaded = about(surface.normal);
-    if shaded.dot(surface.geometric_normal) > 0.0 { shaded } else { about(surface.geometric_normal) }
 }

@@ -4,6 +4,7 @@ pub use crate::scene::volume::Basis;
 
 use super::{
     grid::{BilevelGrid, cells_with_geometry},
+    guard::Guard,
     ignored::Ignored,
     moments::Order,
     trust::Repair,
@@ -153,6 +154,15 @@ impl VolumeSettings {
         {
             let value = tolerance.to_string();
             return Err(VolumeError::Setting { name: "refine_tolerance", value, range: "0 to 10" });
+        }
+        // The grid that is chosen automatically has at most 16 cells along an axis.
+        if let Some(samples) = self.samples
+            && self.guard
+            && !Guard::fits(UVec3::from(samples) - UVec3::ONE, self.second_level - 1)
+        {
+            let value = format!("on, with {samples:?} samples cut in {}", self.second_level);
+            let range = "on up to 4 million cells of the second level";
+            return Err(VolumeError::Setting { name: "guard", value, range });
         }
         within("bins_n", self.bins_n, 1, 128, "1 to 128")?;
         within("supersample", self.supersample, 1, 256, "1 to 256")?;

@@ -10,6 +10,7 @@ use super::{
     cache::{Met, Solver, Transport},
     direct::Arrivals,
     directions::Directions,
+    guard::Guard,
     ignored::Ignored,
     rays::{Patch, PointHits, Targets, trace_point},
     trust::{Fills, Repair, SampleState, relocated},
@@ -181,7 +182,8 @@ impl IrradianceVolume {
     ) -> Option<Self> {
         let VolumeSettings { basis, guard, ref moments, .. } = *settings;
         let alike = VolumeSettings { basis, guard, moments: moments.clone(), ..self.settings.clone() };
-        if alike != *settings || !self.can_relight() {
+        let too_fine = guard && !Guard::fits(self.grid.size(), self.grid.inner());
+        if alike != *settings || !self.can_relight() || too_fine {
             return None;
         }
         let mut volume = self.with_basis(basis);

@@ -54,9 +54,12 @@ pub(super) struct Careful {
 
 impl IrradianceVolume {
     /// The same volume whose queries use only samples that see the point, past what stands still in
-    /// `world`; `None` takes the guard away.
+    /// `world`; `None` takes the guard away. A grid too fine for a guard, which [`VolumeSettings::check`] refuses
+    /// where one is asked for, stays without.
     pub fn with_guard(&self, world: Option<&World>) -> Self {
-        let guard = world.map(|w| Guard::new(w, &self.grid, &self.samples));
+        let guard = world
+            .filter(|_| Guard::fits(self.grid.size(), self.grid.inner()))
+            .map(|w| Guard::new(w, &self.grid, &self.samples));
         let settings = VolumeSettings { guard: guard.is_some(), ..self.settings.clone() };
         Self { guard, settings, ..self.clone() }
     }

@@ -13,6 +13,15 @@ pub const MOST_STATES: usize = 32;
 /// Times that `{n}` may repeat.
 const MOST_REPEATS: u32 = 16;
 
+/// Characters of an expression, at most.
+const MOST_CHARACTERS: usize = 256;
+
+/// Parentheses within each other, at most.
+const MOST_NESTED: usize = 32;
+
+/// Letters of an expression written out, repetitions one by one, at most.
+const MOST_LETTERS: usize = 1024;
+
 /// Why a text is no light-path expression.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExpressionError {
@@ -26,7 +35,7 @@ pub enum ExpressionError {
         /// Where, counted from 1.
         place: usize,
     },
-    /// It needs too many states.
+    /// It needs too many states, or is longer than anything anybody means.
     #[error("light paths \"{0}\": too long; at most {MOST_STATES} states are kept")]
     TooLong(String),
     /// No path is meant.
@@ -115,7 +124,10 @@ impl FromStr for Expression {
 
     fn from_str(text: &str) -> Result<Self, ExpressionError> {
         let text: String = text.chars().filter(|c| !c.is_whitespace()).collect();
-        let mut reader = Reader { text: &text, letters: text.chars().collect(), at: 0 };
+        if text.chars().nth(MOST_CHARACTERS).is_some() {
+            return Err(ExpressionError::TooLong(format!("{}…", text.chars().take(40).collect::<String>())));
+        }
+        let mut reader = Reader { text: &text, letters: text.chars().collect(), at: 0, nested: 0 };
         let whole = reader.alternatives()?;
         if reader.at < reader.letters.len() {
             return Err(reader.wrong("an unmatched )"));
@@ -195,6 +207,26 @@ impl Paths {
         }
     }
 
+    /// Whether more of the same adds nothing: p* or pp*.
+    fn is_repeated(&self) -> bool {
+        match self {
+            Self::Repeated(_) => true,
+            Self::Then(first, rest) => matches!(&**rest, Self::Repeated(p) if p == first),
+            _ => false,
+        }
+    }
+
+    /// Letters in it.
+    fn letters(&self) -> usize {
+        match self {
+            Self::None | Self::Empty => 0,
+            Self::Letter(_) => 1,
+            Self::Then(a, b) => a.letters() + b.letters(),
+            Self::Either(list) => list.iter().map(Self::letters).sum(),
+            Self::Repeated(p) => p.letters(),
+        }
+    }
+
     fn is_empty_path(&self) -> bool {
         match self {
             Self::None | Self::Letter(_) => false,
@@ -233,6 +265,7 @@ struct Reader<'a> {
     text: &'a str,
     letters: Vec<char>,
     at: usize,
+    nested: usize,
 }
 
 impl Reader<'_> {
@@ -260,8 +293,14 @@ impl Reader<'_> {
             let atom = match letter {
                 'L' | 'D' | 'S' | 'E' => Paths::Letter(letter),
                 '.' => Paths::Letter('D').either(Paths::Letter('S')),
+                '(' if self.nested == MOST_NESTED => {
+                    self.at -= 1;
+                    return Err(self.wrong(&format!("more than {MOST_NESTED} parentheses within each other")));
+                }
                 '(' => {
+                    self.nested += 1;
                     let inner = self.alternatives()?;
+                    self.nested -= 1;
                     if self.peek() != Some(')') {
                         return Err(self.wrong("a ( that is never closed"));
                     }
@@ -282,7 +321,11 @@ impl Reader<'_> {
     fn count(&mut self, atom: Paths) -> Result<Paths, ExpressionError> {
         let counted = match self.peek() {
             Some('*') => atom.repeated(),
-            Some('+') => atom.clone().then(atom.repeated()),
+            Some('+') if atom.is_repeated() => atom,
+            Some('+') => {
+                self.fits(&atom, 2)?;
+                atom.clone().then(atom.repeated())
+            }
             Some('?') => atom.either(Paths::Empty),
             Some('{') => {
                 let digits: String =
@@ -290,15 +333,25 @@ impl Reader<'_> {
                 let end = self.at + 1 + digits.len();
                 match digits.parse::<u32>() {
                     Ok(n) if n <= MOST_REPEATS && self.letters.get(end) == Some(&'}') => {
+                        self.fits(&atom, n)?;
                         self.at = end;
                         (0..n).fold(Paths::Empty, |all, _| all.then(atom.clone()))
                     }
-                    _ => return Err(self.wrong("a count that is not one of {0} to {16}")),
+                    _ => {
+                        return Err(
+                            self.wrong(&format!("a count that is not one of {{0}} to {{{MOST_REPEATS}}}"))
+                        );
+                    }
                 }
             }
             _ => return Ok(atom),
         };
         self.at += 1;
         Ok(counted)
+    }
+    /// Whether an atom may be written out `times` times.
+    fn fits(&self, atom: &Paths, times: u32) -> Result<(), ExpressionError> {
+        let fits = atom.letters() * times as usize <= MOST_LETTERS;
+        if fits { Ok(()) } else { Err(ExpressionError::TooLong(self.text.into())) }
     }
 }

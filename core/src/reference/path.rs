@@ -89,6 +89,11 @@ impl Terms {
     pub fn all(&self) -> [Vec3; 5] {
         [self.emitted, self.direct, self.indirect, self.mirror, self.glossy]
     }
+
+    /// Everything but what the surface emits.
+    pub fn reflected(&self) -> Vec3 {
+        self.direct + self.indirect + self.mirror + self.glossy
+    }
 }
 
 impl<'a> PathTracer<'a> {

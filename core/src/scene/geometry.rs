@@ -2,6 +2,7 @@
 
 use super::{
     Scene,
+    accel::Ray,
     brdf::Brdf,
     material::{Material, Texture},
     mesh::Mesh,
@@ -53,6 +54,18 @@ pub struct Surface {
     pub triangle: u32,
     /// Whether the back is seen.
     pub back: bool,
+}
+
+impl Surface {
+    /// The ray by which an ideal mirror here passes on one along `direction`, d − 2 (d·n) n: about the shading
+    /// normal, or about the plane's where that would go through it.
+    pub fn mirrored(&self, direction: Vec3) -> Ray {
+        let about = |n: Vec3| direction - 2.0 * direction.dot(n) * n;
+        let shaded = about(self.normal);
+        let above = shaded.dot(self.geometric_normal) > 0.0;
+        let along = if above { shaded } else { about(self.geometric_normal) };
+        Ray::new(offset_origin(self.position, self.geometric_normal), along)
+    }
 }
 
 impl Geometry {
