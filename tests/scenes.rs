@@ -3,11 +3,13 @@
 use glam::Vec3;
 use lumenscope_core::{
     math::random::r2_point,
+    mirror::reflectors::Reflectors,
     scene::{
         Scene,
         accel::Ray,
         check::{Severity, check},
         emitters::Emitter,
+        geometry::Geometry,
         import::load,
         mesh::Mesh,
         world::World,
@@ -74,6 +76,20 @@ fn every_scene_loads_without_a_warning() {
 fn office_has_about_forty_thousand_triangles() {
     let count = open("office/office.ron").triangle_count();
     assert!((35_000..=45_000).contains(&count), "{count}");
+}
+
+#[test]
+fn house_has_140_000_triangles_and_five_flat_reflectors() {
+    let scene = open("house/house.ron");
+    assert!(scene.triangle_count() >= 140_000, "{}", scene.triangle_count());
+    let geometry = Geometry::new(&scene);
+    let found = Reflectors::new(&geometry);
+    let mut names: Vec<&str> =
+        found.list.iter().map(|r| scene.objects[r.object as usize].name.as_str()).collect();
+    names.sort_unstable();
+    let wanted = ["Door mirror", "Framed mirror", "Music room floor", "Piano bench", "Piano lid"];
+    assert_eq!(names, wanted);
+    assert_eq!(found.curved, 0, "nothing polished is curved");
 }
 
 #[test]

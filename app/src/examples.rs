@@ -14,11 +14,13 @@ pub enum Example {
     Teapot,
     /// A pyramid of copper on a mirror.
     Pyramid,
+    /// A house with a music room: five mirrors.
+    House,
 }
 
 impl Example {
     /// Every example, in the order they are offered.
-    pub const ALL: [Self; 4] = [Self::Office, Self::Cornell, Self::Teapot, Self::Pyramid];
+    pub const ALL: [Self; 5] = [Self::Office, Self::Cornell, Self::Teapot, Self::Pyramid, Self::House];
 
     /// Title on buttons.
     pub fn title(self) -> &'static str {
@@ -27,6 +29,7 @@ impl Example {
             Self::Cornell => "Cornell box",
             Self::Teapot => "Teapot on a glossy table",
             Self::Pyramid => "Copper pyramid",
+            Self::House => "House with a music room",
         }
     }
 
@@ -41,6 +44,9 @@ impl Example {
             Self::Pyramid => {
                 "Flat mirrors of copper: reflectance that grows and pales towards grazing angles."
             }
+            Self::House => {
+                "A grand piano among five flat mirrors and 180,000 triangles: mirrored views and what they cost."
+            }
         }
     }
 
@@ -51,27 +57,33 @@ impl Example {
             Self::Cornell => "example:cornell",
             Self::Teapot => "example:teapot",
             Self::Pyramid => "example:pyramid",
+            Self::House => "example:house",
         }
     }
 
     /// Its files: name, and contents built into the program.
-    fn files(self) -> [(&'static str, &'static [u8]); 2] {
+    fn files(self) -> Vec<(&'static str, &'static [u8])> {
         match self {
-            Self::Office => [
+            Self::Office => vec![
                 ("office.ron", include_bytes!("../../scenes/office/office.ron")),
                 ("office.glb", include_bytes!("../../scenes/office/office.glb")),
             ],
-            Self::Cornell => [
+            Self::Cornell => vec![
                 ("cornell.ron", include_bytes!("../../scenes/cornell/cornell.ron")),
                 ("cornell.glb", include_bytes!("../../scenes/cornell/cornell.glb")),
             ],
-            Self::Teapot => [
+            Self::Teapot => vec![
                 ("teapot.ron", include_bytes!("../../scenes/glossy/teapot.ron")),
                 ("teapot.glb", include_bytes!("../../scenes/glossy/teapot.glb")),
             ],
-            Self::Pyramid => [
+            Self::Pyramid => vec![
                 ("pyramid.ron", include_bytes!("../../scenes/mirror/pyramid.ron")),
                 ("pyramid.glb", include_bytes!("../../scenes/mirror/pyramid.glb")),
+            ],
+            Self::House => vec![
+                ("house.ron", include_bytes!("../../scenes/house/house.ron")),
+                ("music_room.glb", include_bytes!("../../scenes/house/music_room.glb")),
+                ("living_room.glb", include_bytes!("../../scenes/house/living_room.glb")),
             ],
         }
     }
@@ -82,6 +94,7 @@ impl Example {
             Self::Cornell => "cornell",
             Self::Teapot => "glossy",
             Self::Pyramid => "mirror",
+            Self::House => "house",
         }
     }
 
@@ -90,7 +103,8 @@ impl Example {
     /// # Errors
     /// With the file's name, if it cannot be unpacked.
     pub fn path(self) -> Result<PathBuf> {
-        let [(scene, _), _] = self.files();
+        let files = self.files();
+        let scene = files[0].0;
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(self.folder()).join(scene);
         if source.exists() {
             return Ok(source);
@@ -100,7 +114,7 @@ impl Example {
         let folder = cache.join(concat!("examples-", env!("CARGO_PKG_VERSION"))).join(self.folder());
         std::fs::create_dir_all(&folder)
             .with_context(|| format!("{}: the example cannot be unpacked", folder.display()))?;
-        for (name, bytes) in self.files() {
+        for (name, bytes) in files {
             lumenscope_core::io::write_file(&folder.join(name), bytes)?;
         }
         Ok(folder.join(scene))

@@ -6,7 +6,7 @@
 
 use crate::shapes::Shape;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A material, in linear Rec. 709; diffuse unless polished.
 #[derive(Clone, Debug)]
@@ -114,6 +114,30 @@ impl Model {
     pub fn stand(&mut self, name: impl Into<String>, parts: Parts) {
         let mesh = self.mesh(parts);
         self.place(name, mesh, [0.0; 3], 0.0);
+    }
+
+    /// The same with equal vertices merged, and without materials and pictures that nothing is made of.
+    pub fn tidied(mut self) -> Self {
+        let renumber = |used: &BTreeSet<usize>| -> BTreeMap<usize, usize> {
+            used.iter().enumerate().map(|(new, &old)| (old, new)).collect()
+        };
+        let used: BTreeSet<usize> = self.meshes.iter().flat_map(|m| m.0.keys().copied()).collect();
+        let numbers = renumber(&used);
+        self.materials = used.iter().map(|&i| self.materials[i].clone()).collect();
+        for parts in &mut self.meshes {
+            let old = std::mem::take(&mut parts.0);
+            parts.0 = old.into_iter().map(|(m, shape)| (numbers[&m], shape.welded())).collect();
+        }
+        let shown = |m: &Material| [m.picture, m.radiance_picture];
+        let used: BTreeSet<usize> = self.materials.iter().flat_map(shown).flatten().collect();
+        let numbers = renumber(&used);
+        self.pictures = used.iter().map(|&i| std::mem::take(&mut self.pictures[i])).collect();
+        for material in &mut self.materials {
+            for picture in [&mut material.picture, &mut material.radiance_picture] {
+                *picture = picture.map(|i| numbers[&i]);
+            }
+        }
+        self
     }
 
     /// The bytes of the file.

@@ -8,6 +8,7 @@
 pub mod analytic;
 pub mod cornell;
 pub mod glb;
+pub mod house;
 pub mod office;
 pub mod pictures;
 pub mod polished;
@@ -26,5 +27,6 @@ pub fn generate() -> Vec<(PathBuf, Vec<u8>)> {
     files.extend(analytic::files());
     files.extend(walls::files());
     files.extend(polished::files());
+    files.extend(house::files());
     files
 }

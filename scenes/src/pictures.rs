@@ -161,3 +161,110 @@ pub fn checks() -> Vec<u8> {
         }
     })
 }
+
+/// Parquet: squares of five strips, laid crosswise in turn; mean reflectance about 0.2.
+pub fn parquet() -> Vec<u8> {
+    let mut random = Random::new(23);
+    let shades: Vec<f64> = (0..80).map(|_| random.between(-0.055, 0.055)).collect();
+    png(128, 128, |x, y| {
+        let (column, row) = ((x * 4.0) as usize, (y * 4.0) as usize);
+        let turned = (column + row) % 2 == 1;
+        let (fx, fy) = ((x * 4.0).fract(), (y * 4.0).fract());
+        let (across, along) = if turned { (fx, fy) } else { (fy, fx) };
+        let strip = (across * 5.0) as usize;
+        let shade = shades[(column + 4 * row) * 5 + strip];
+        let inside = (across * 5.0).fract();
+        let grain = 0.014 * ((inside * 7.0 + shade * 90.0 + 0.5 * (along * 9.0).sin()) * 3.0).sin();
+        let seam = if inside < 0.10 || along < 0.02 { -0.10 } else { 0.0 };
+        [0.60, 0.45, 0.31].map(|c| c + shade + grain + seam)
+    })
+}
+
+/// Two systems of five lines with notes, stems and a heading.
+pub fn staves() -> Vec<u8> {
+    png(96, 128, |x, y| {
+        let paper = [0.95, 0.93, 0.87];
+        let ink = [0.12, 0.11, 0.11];
+        if y < 0.10 {
+            return if y > 0.035 && y < 0.07 && x > 0.30 && x < 0.70 { ink } else { paper };
+        }
+        if !(0.07..=0.93).contains(&x) {
+            return paper;
+        }
+        let system = ((y - 0.10) * 8.0).floor();
+        let inside = ((y - 0.10) * 8.0).fract();
+        let line = (inside - 0.25) * 10.0;
+        if (0.0..5.0).contains(&line) && line.fract() < 0.35 {
+            return mix(paper, ink, 0.75);
+        }
+        let beat = ((x - 0.07) * 18.0).floor();
+        let at = ((x - 0.07) * 18.0).fract();
+        let pitch = 0.30 + 0.055 * ((beat * 2.3 + system * 1.7).sin() * 3.5).round();
+        let head = ((at - 0.4) / 0.30).powi(2) + ((inside - pitch) / 0.06).powi(2) < 1.0;
+        let stem = (at - 0.66).abs() < 0.09 && inside < pitch && inside > pitch - 0.28;
+        let bar = beat % 4.0 == 3.0 && at > 0.9 && (0.25..0.72).contains(&inside);
+        if (head || stem) && beat % 4.0 != 3.0 || bar { ink } else { paper }
+    })
+}
+
+/// A woven rug: borders around a field of lozenges.
+pub fn carpet() -> Vec<u8> {
+    png(128, 96, |x, y| {
+        let edge = (x.min(1.0 - x) * 1.33).min(y.min(1.0 - y));
+        let (red, navy, gold, pale) =
+            ([0.52, 0.15, 0.12], [0.13, 0.17, 0.30], [0.74, 0.58, 0.30], [0.80, 0.73, 0.60]);
+        if edge < 0.025 {
+            return pale;
+        }
+        if edge < 0.14 {
+            let along = if (x.min(1.0 - x)) * 1.33 < y.min(1.0 - y) { y * 12.0 } else { x * 16.0 };
+            let lozenge = (along.fract() - 0.5).abs() / 0.42 + ((edge - 0.08) / 0.045).abs();
+            return if lozenge < 1.0 { gold } else { navy };
+        }
+        if edge < 0.155 {
+            return gold;
+        }
+        let (u, w) = ((x - 0.5).abs() * 1.33, (y - 0.5).abs());
+        let medallion = u / 0.44 + w / 0.30;
+        if medallion < 0.35 {
+            return gold;
+        }
+        if medallion < 1.0 {
+            return if (medallion * 7.0).fract() < 0.3 { pale } else { navy };
+        }
+        if ((x * 18.0).fract() - 0.5).abs() + ((y * 14.0).fract() - 0.5).abs() < 0.22 { gold } else { red }
+    })
+}
+
+/// A garden on a bright afternoon: sky, trees, a lawn; a factor on the radiance of a window's outside.
+pub fn garden() -> Vec<u8> {
+    let mut random = Random::new(31);
+    // Crowns of trees, far ones first: middle, radius, shade.
+    let crowns: Vec<[f64; 4]> = (0..60)
+        .map(|i| {
+            let near = f64::from(i) / 60.0;
+            let y = 0.62 + 0.13 * near + random.between(-0.06, 0.03);
+            [random.between(-0.05, 1.05), y, random.between(0.05, 0.11), near + random.between(-0.15, 0.15)]
+        })
+        .collect();
+    let leaves: Vec<f64> = (0..64 * 64).map(|_| random.between(-0.05, 0.05)).collect();
+    png(96, 128, |x, y| {
+        let mut colour = mix([0.62, 0.77, 0.98], [0.97, 0.97, 0.94], (y * 1.7).min(1.0));
+        for [cx, cy, radius, near] in &crowns {
+            let (dx, dy) = ((x - cx) / radius, (y - cy) / (1.15 * radius));
+            let reach = dx * dx + dy * dy + 0.25 * (9.0 * dx + 3.0 * cx).sin() * (8.0 * dy).sin();
+            if reach < 1.0 {
+                let lit = (0.45 - 0.45 * dy + 0.2 * dx).clamp(0.0, 1.0);
+                let shade = mix([0.24, 0.36, 0.24], [0.56, 0.66, 0.38], lit);
+                colour = mix([0.60, 0.70, 0.68], shade, 0.45 + 0.55 * near.clamp(0.0, 1.0));
+            }
+        }
+        let lawn = 0.80 + 0.012 * (x * 9.0).sin();
+        if y > lawn {
+            colour = mix([0.48, 0.58, 0.30], [0.62, 0.68, 0.40], ((y - lawn) * 5.0).min(1.0));
+        }
+        let leaf =
+            if y > 0.5 { leaves[(x * 64.0) as usize % 64 + 64 * ((y * 64.0) as usize % 64)] } else { 0.0 };
+        colour.map(|c| (c + leaf * c).min(1.0))
+    })
+}

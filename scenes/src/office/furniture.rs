@@ -107,35 +107,32 @@ fn castor() -> Shape {
 }
 
 /// A bookcase 1.1 m wide and 1.95 m high, its back at −z, with five shelves of books.
-pub fn bookcase(palette: &Palette, seed: u64) -> Parts {
+pub fn bookcase(shelf: usize, covers: &[usize; COVERS], seed: u64) -> Parts {
     let (w, h, depth, board): (f64, f64, f64, f64) = (0.55, 1.95, 0.30, 0.022);
     let mut parts = Parts::default();
     let (front, back) = (0.5 * depth, -0.5 * depth);
     for side in [-1.0, 1.0] {
         let (a, b) = (side * w, side * (w - board));
-        parts.add(palette.shelf, bevelled(v(a.min(b), 0.002, back), v(a.max(b), h, front), 0.003));
+        parts.add(shelf, bevelled(v(a.min(b), 0.002, back), v(a.max(b), h, front), 0.003));
     }
     let inner = w - board - 0.001;
-    parts.add(
-        palette.shelf,
-        bevelled(v(-inner, 0.06, back + 0.001), v(inner, h - 0.002, back + 0.011), 0.001),
-    );
+    parts.add(shelf, bevelled(v(-inner, 0.06, back + 0.001), v(inner, h - 0.002, back + 0.011), 0.001));
     let mut random = Random::new(seed);
     let rows = 5;
     let pitch = (h - 0.06 - board) / f64::from(rows);
     for row in 0..=rows {
         let y = 0.06 + f64::from(row) * pitch;
         let low = v(-inner, y, back + 0.013);
-        parts.add(palette.shelf, bevelled(low, v(inner, y + board, front - 0.004), 0.003));
+        parts.add(shelf, bevelled(low, v(inner, y + board, front - 0.004), 0.003));
         if row < rows {
-            books(&mut parts, palette, &mut random, inner - 0.006, y + board + 0.001, pitch - board);
+            books(&mut parts, covers, &mut random, inner - 0.006, y + board + 0.001, pitch - board);
         }
     }
     parts
 }
 
 /// A row of books from left to right, with gaps, a leaning one and a lying pile now and then.
-fn books(parts: &mut Parts, palette: &Palette, random: &mut Random, half: f64, y: f64, room: f64) {
+fn books(parts: &mut Parts, covers: &[usize; COVERS], random: &mut Random, half: f64, y: f64, room: f64) {
     let mut x = -half;
     let back = -0.125;
     let mut colour = random.below(COVERS);
@@ -152,7 +149,7 @@ fn books(parts: &mut Parts, palette: &Palette, random: &mut Random, half: f64, y
             }
             let height = height * random.between(0.985, 1.0);
             let book = bevelled(v(x, y, back), v(x + own, y + height, back + depth), 0.004);
-            parts.add(palette.covers[colour], book);
+            parts.add(covers[colour], book);
             x += own + 0.0015;
         }
         match random.below(7) {
@@ -163,7 +160,7 @@ fn books(parts: &mut Parts, palette: &Palette, random: &mut Random, half: f64, y
                 let foot = x + height * angle.sin() + 0.002;
                 let book = bevelled(v(0.0, 0.0, back), v(thickness, height, back + 0.18), 0.004);
                 let lean = DMat3::from_rotation_z(angle);
-                parts.add(palette.covers[random.below(COVERS)], book.placed(lean, v(foot, y, 0.0)));
+                parts.add(covers[random.below(COVERS)], book.placed(lean, v(foot, y, 0.0)));
                 x = foot + thickness + 0.03;
             }
             1 if x + 0.26 < half => {
@@ -172,7 +169,7 @@ fn books(parts: &mut Parts, palette: &Palette, random: &mut Random, half: f64, y
                     let thickness = random.between(0.02, 0.04);
                     let length = random.between(0.20, 0.245);
                     let book = bevelled(v(x, top, back), v(x + length, top + thickness, back + 0.17), 0.004);
-                    parts.add(palette.covers[random.below(COVERS)], book);
+                    parts.add(covers[random.below(COVERS)], book);
                     top += thickness + 0.001;
                 }
                 x += 0.25;

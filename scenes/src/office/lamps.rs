@@ -15,10 +15,10 @@ const UPLIGHTER_FLUX: f64 = 10_000.0;
 /// Luminous flux of the desk lamp, lm.
 const DESK_LAMP_FLUX: f64 = 600.0;
 /// Triangles of an emissive disc.
-const SIDES: u32 = 12;
+pub const SIDES: u32 = 12;
 
 /// Radiance of a disc that sends out `flux` lumens of a tint whose luminance is 1: L = Φ / (π A).
-fn radiance(flux: f64, radius: f64, tint: [f64; 3]) -> [f64; 3] {
+pub fn radiance(flux: f64, radius: f64, tint: [f64; 3]) -> [f64; 3] {
     let luminance = 0.2126 * tint[0] + 0.7152 * tint[1] + 0.0722 * tint[2];
     tint.map(|t| t / luminance * flux / (PI * fan_area(radius, SIDES)))
 }

@@ -4,11 +4,11 @@
 //! felt dividers in strong colours show it bleeding from surface to surface. Everything stands 1 or
 //! 2 mm clear of its neighbours, so that no two faces coincide and no solid reaches into another.
 
-mod furniture;
-mod lamps;
-mod palette;
+pub(crate) mod furniture;
+pub(crate) mod lamps;
+pub(crate) mod palette;
 mod room;
-mod things;
+pub(crate) mod things;
 
 use crate::glb::{Model, Parts};
 use crate::shapes::{boxes::block, v};
@@ -130,16 +130,17 @@ fn chairs(model: &mut Model, palette: &Palette) {
 /// What stands along the walls, and the rug.
 fn walls(model: &mut Model, palette: &Palette) {
     for (name, seed, z) in [("Bookcase left", 21, 0.72), ("Bookcase right", 8, -0.42)] {
-        let bookcase = model.mesh(furniture::bookcase(palette, seed));
+        let bookcase = model.mesh(furniture::bookcase(palette.shelf, &palette.covers, seed));
         model.place(name, bookcase, [-room::X + 0.18, 0.0, z], 90.0);
     }
     let cabinet = model.mesh(things::cabinet(palette));
     model.place("Cabinet", cabinet, [-1.55, 0.0, -room::Z + 0.26], 0.0);
-    let pot = model.mesh(things::plant(palette, 16, 0.42, 17));
-    model.place("Small plant", pot, [-1.20, 0.722, -room::Z + 0.25], 0.0);
+    let pot = [palette.clay, palette.earth, palette.leaf];
+    let small = model.mesh(things::plant(pot, 16, 0.42, 17));
+    model.place("Small plant", small, [-1.20, 0.722, -room::Z + 0.25], 0.0);
     let mug = model.mesh(things::mug(palette, palette.dividers[0]));
     model.place("Red mug", mug, [-1.78, 0.721, -room::Z + 0.28], 60.0);
-    let plant = model.mesh(things::plant(palette, 44, 1.15, 4));
+    let plant = model.mesh(things::plant(pot, 44, 1.15, 4));
     model.place("Plant", plant, [0.62, 0.0, -room::Z + 0.48], 20.0);
     let basket = model.mesh(things::basket(palette));
     model.place("Waste-paper basket", basket, [1.42, 0.0, 0.18], 0.0);

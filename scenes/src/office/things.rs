@@ -112,7 +112,7 @@ pub fn pencils(palette: &Palette) -> Parts {
 }
 
 /// A potted plant with arching leaves; `scale` 1 is 0.9 m high.
-pub fn plant(palette: &Palette, leaves: u32, scale: f64, seed: u64) -> Parts {
+pub fn plant([clay, soil, foliage]: [usize; 3], leaves: u32, scale: f64, seed: u64) -> Parts {
     let mut parts = Parts::default();
     let pot = [
         [0.0, 0.002],
@@ -125,10 +125,10 @@ pub fn plant(palette: &Palette, leaves: u32, scale: f64, seed: u64) -> Parts {
         [0.0, 0.28],
     ];
     let profile: Vec<_> = rounded(&pot, 0.012, 2, false).into_iter().map(|p| p * scale).collect();
-    parts.add(palette.clay, lathe(&profile, 30, false));
+    parts.add(clay, lathe(&profile, 30, false));
     let earth = [[0.0, 0.282], [0.144, 0.282], [0.10, 0.30], [0.0, 0.305]];
     let profile: Vec<_> = rounded(&earth, 0.01, 1, false).into_iter().map(|p| p * scale).collect();
-    parts.add(palette.earth, lathe(&profile, 24, false));
+    parts.add(soil, lathe(&profile, 24, false));
     let mut random = Random::new(seed);
     for i in 0..leaves {
         // Golden-angle spread; the outer leaves arch further.
@@ -138,10 +138,7 @@ pub fn plant(palette: &Palette, leaves: u32, scale: f64, seed: u64) -> Parts {
             (0.62 - 0.30 * t + random.between(-0.04, 0.04), 0.08 + 0.36 * t + random.between(-0.03, 0.03));
         let width = random.between(0.032, 0.05);
         let foot = 0.02 + 0.08 * t;
-        parts.add(
-            palette.leaf,
-            leaf(scale, foot, rise, reach, width).placed(turn, v(0.0, 0.308 * scale, 0.0)),
-        );
+        parts.add(foliage, leaf(scale, foot, rise, reach, width).placed(turn, v(0.0, 0.308 * scale, 0.0)));
     }
     parts
 }

@@ -109,6 +109,26 @@ impl Shape {
         out
     }
 
+    /// With vertices merged that are the same to the last bit once rounded to `f32`.
+    pub fn welded(self) -> Self {
+        let mut known = std::collections::HashMap::new();
+        let mut out = Self::default();
+        let bits = |v: &[f64]| v.iter().map(|x| (*x as f32).to_bits()).collect::<Vec<_>>();
+        let numbers: Vec<u32> = (0..self.positions.len())
+            .map(|i| {
+                let (p, n, uv) = (self.positions[i], self.normals[i], self.uvs[i]);
+                let key = [bits(&p.to_array()), bits(&n.to_array()), bits(&uv.to_array())].concat();
+                *known.entry(key).or_insert_with(|| {
+                    let new = out.vertex(p, n);
+                    out.uvs[new as usize] = uv;
+                    new
+                })
+            })
+            .collect();
+        out.triangles = self.triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
+        out
+    }
+
     /// Turned inside out.
     pub fn inverted(mut self) -> Self {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
