@@ -19,7 +19,7 @@ use lumenscope_core::{
         composite::{self, DifferenceDisplay, DirectQuality, Display, FAULT, ToneCurve, auto_exposure},
         gbuffer::NO_TRIANGLE,
         layers::Layer,
-        overlay,
+        mean_of_frames, overlay,
         panorama::panorama,
         render,
     },
@@ -259,6 +259,27 @@ fn a_moved_object_is_lit_by_the_volume_and_shadows_at_once() {
         })
         .count();
     assert!(changed > 20, "the shadow did not move: {changed} pixels changed");
+}
+
+#[test]
+fn frames_share_the_light_on_moved_objects() {
+    let (solution, _) = moved();
+    let camera = &solution.scene.camera;
+    for direct in [DirectQuality::Elements, DirectQuality::PerPixel(1)] {
+        let settings = PassSettings { direct, seed: 3, ..PassSettings::default() };
+        let silent = Progress::silent();
+        let mean = mean_of_frames(&solution, camera, [32, 24], 3, &settings, &silent).unwrap();
+        let mut each = Accumulator::new();
+        for frame in 0..3 {
+            let settings = PassSettings { frame, jitter: true, ..settings };
+            each.add(&render(&solution, camera, 32, 24, &settings).1);
+        }
+        assert_eq!(mean, each.mean(), "{direct:?}: byte for byte");
+    }
+    let stopped = Progress::silent();
+    stopped.cancel();
+    let settings = PassSettings::default();
+    assert!(mean_of_frames(&solution, camera, [32, 24], 3, &settings, &stopped).is_err());
 }
 
 #[test]

@@ -218,7 +218,7 @@ impl LumenscopeApp {
                     self.session.keep(volume, source);
                     self.carry_out(ctx, Effect::Inspect);
                 }
-                News::Reference(reference) => self.session.reference = Some(reference),
+                News::Reference(reference, _) => self.session.reference = Some(reference),
                 News::Written(path) => self.session.log.info(format!("{} written", path.display())),
                 News::Cancelled(what) => self.session.log.warn(format!("{what}: cancelled")),
                 News::Failed(what, why) => self.fail(format!("{what} failed"), why),

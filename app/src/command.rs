@@ -2,6 +2,7 @@
 
 use crate::{
     examples::Example,
+    export::Export,
     pipeline::VolumeSource,
     placement::Placement,
     session::{Document, View},
@@ -58,16 +59,8 @@ pub enum Command {
     SaveSession(PathBuf),
     /// Replace the whole document.
     Replace(Box<Document>),
-    /// Export the picture as PNG.
-    ExportPicture(PathBuf),
-    /// Export the picture with a cinder-block wall streamed into it, as PNG.
-    ExportWall(PathBuf),
-    /// Export the layers as multi-layer EXR.
-    ExportLayers(PathBuf),
-    /// Export the open spheres as EXR.
-    ExportProbe(PathBuf),
-    /// Export all that arrives where the spheres are as a latitude–longitude EXR.
-    ExportPanorama(PathBuf),
+    /// Write something to a file.
+    Export(Export, PathBuf),
     /// Start or restart the reference picture.
     StartReference,
     /// Keep the volume as it is now, to compare later ones with.
@@ -102,16 +95,8 @@ pub enum Dialog {
     AddModel,
     /// Where to save the session.
     SaveSession,
-    /// Where to write the picture.
-    ExportPicture,
-    /// Where to write the picture with a wall in it.
-    ExportWall,
-    /// Where to write the layers.
-    ExportLayers,
-    /// Where to write the spheres.
-    ExportProbe,
-    /// Where to write a panorama.
-    ExportPanorama,
+    /// Where to write something.
+    Export(Export),
     /// A list of panoramas.
     Panoramas,
 }

@@ -1,25 +1,97 @@
-//! Pictures, layers and panoramas as files.
+//! What can be written to a file, and how: pictures, layers, spheres and panoramas.
 
-use crate::{
-    cli::wall,
-    worker::{ExportRequest, Exported},
-};
-use anyhow::Result;
+use crate::{panoramas, wall::WallSettings, widgets::Probe};
+use anyhow::{Context as _, Result};
+use glam::Vec3;
 use lumenscope_core::{
-    io::{exr, png},
-    math::{image::LinearImage, progress::Progress},
-    scene::Scene,
+    io::{exr, png, probe::write_probe},
+    math::progress::Progress,
+    scene::camera::Camera,
     superposition::{
         PassSettings,
-        accumulator::Accumulator,
         composite::{DirectQuality, Display, display},
-        layers::Layer,
+        layers::{Layer, Layers, Weights},
+        mean_of_frames,
         panorama::panorama,
-        render,
     },
     transport::LightTransportSolution,
 };
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
+
+/// What a file can hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Export {
+    /// The picture as it is shown, as PNG.
+    Picture,
+    /// The picture with a cinder-block wall streamed into it, as PNG.
+    Wall,
+    /// Its layers, as multi-layer EXR.
+    Layers,
+    /// The open spheres, as EXR.
+    Spheres,
+    /// The radiance that arrives where they are from all around, as a latitude–longitude EXR.
+    Panorama,
+}
+
+impl Export {
+    /// What the file dialog asks for.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Picture => "Export the picture",
+            Self::Wall => "Export the picture with a wall",
+            Self::Layers => "Export the layers",
+            Self::Spheres => "Export the spheres",
+            Self::Panorama => "Export a panorama",
+        }
+    }
+
+    /// The name a file is given unless the user says otherwise.
+    pub fn file_name(self, scene: &str) -> String {
+        let extension = self.format().1;
+        match self {
+            Self::Picture | Self::Layers => format!("{scene}.{extension}"),
+            Self::Wall => format!("{scene}-wall.{extension}"),
+            Self::Spheres => format!("{scene}-spheres.{extension}"),
+            Self::Panorama => format!("{scene}-panorama.{extension}"),
+        }
+    }
+
+    /// Name of the format, and its files' extension.
+    pub fn format(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Picture | Self::Wall => ("PNG", "png"),
+            Self::Layers | Self::Spheres | Self::Panorama => ("OpenEXR", "exr"),
+        }
+    }
+}
+
+/// A file to write.
+#[derive(Clone)]
+pub struct ExportRequest {
+    /// What is written.
+    pub what: Export,
+    /// Where.
+    pub path: PathBuf,
+    /// What is shown.
+    pub solution: Arc<LightTransportSolution>,
+    /// Camera.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Weight of each layer.
+    pub weights: Weights,
+    /// From radiance to the display.
+    pub display: Display,
+    /// Shadow rays a pixel and area emitter.
+    pub shadow_rays: u32,
+    /// The open spheres.
+    pub probe: Option<Arc<Probe>>,
+    /// Where they are, m; they may be on their way.
+    pub at: Option<Vec3>,
+}
+
+/// Why what shows the light at a point cannot be written.
+const NO_SPHERES: &str = "no spheres are open: click a point in the scene first";
 
 /// Frames averaged: each looks through another place in the pixels, so that edges are smooth.
 const FRAMES: u32 = 8;
@@ -32,43 +104,44 @@ const PANORAMA: (u32, u32) = (512, 2);
 /// # Errors
 /// With the file's name, if it cannot be written; [`Cancelled`](lumenscope_core::math::progress::Cancelled).
 pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
-    if let Exported::Panorama(at) = request.what {
-        let image = panorama(&request.solution, at, PANORAMA.0, PANORAMA.1, progress)?;
-        return crate::cli::panorama::write(&request.path, &image, at);
-    }
-    progress.begin("picture");
-    if let Exported::Wall(shown) = &request.what {
-        let scene = Arc::new(Scene { camera: request.camera, ..(*request.solution.scene).clone() });
-        let solution = LightTransportSolution { scene, ..(*request.solution).clone() };
-        let (picture, _) = wall::draw(&wall::Options::beside(&solution, request.size), &solution, 1)?;
-        return write_png(request, &picture, shown);
-    }
-    let mut sum = Accumulator::new();
-    for frame in 0..FRAMES {
-        progress.report(frame as f32 / FRAMES as f32)?;
-        let direct = match request.shadow_rays {
-            0 => DirectQuality::Elements,
-            rays => DirectQuality::PerPixel(rays.div_ceil(FRAMES)),
-        };
-        let settings = PassSettings { direct, frame, jitter: true, ..PassSettings::default() };
-        let [width, height] = request.size;
-        sum.add(&render(&request.solution, &request.camera, width, height, &settings).1);
-    }
-    progress.begin("writing");
-    let layers = sum.mean();
-    match &request.what {
-        Exported::Picture(shown) | Exported::Wall(shown) => {
-            write_png(request, &layers.sum(request.weights), shown)
+    let solution = &request.solution;
+    match request.what {
+        Export::Spheres => {
+            let probe = request.probe.as_deref().context(NO_SPHERES)?;
+            Ok(write_probe(&request.path, probe, true)?)
         }
-        Exported::Layers | Exported::Panorama(_) => {
+        Export::Panorama => {
+            let at = request.at.context(NO_SPHERES)?;
+            let image = panorama(solution, at, PANORAMA.0, PANORAMA.1, progress)?;
+            panoramas::write(&request.path, &image, at)
+        }
+        Export::Picture => write_png(request, &layers(request, progress)?),
+        Export::Wall => {
+            let mut layers = layers(request, progress)?;
+            let wall = WallSettings { shadow_rays: request.shadow_rays, ..WallSettings::beside(solution) };
+            wall.draw(solution, &request.camera, &mut layers, progress)?;
+            write_png(request, &layers)
+        }
+        Export::Layers => {
+            let layers = layers(request, progress)?;
             let named: Vec<_> = Layer::ALL.iter().map(|&l| (l.name(), layers.get(l))).collect();
-            let note = format!("{}: radiance by layer, cd/m²", request.solution.scene.name);
+            let note = format!("{}: radiance by layer, cd/m²", solution.scene.name);
             Ok(exr::write_layers(&request.path, &named, &note)?)
         }
     }
 }
 
-fn write_png(request: &ExportRequest, picture: &LinearImage, shown: &Display) -> Result<()> {
-    let pixels = display(picture, shown);
+fn layers(request: &ExportRequest, progress: &Progress) -> Result<Layers> {
+    let direct = match request.shadow_rays {
+        0 => DirectQuality::Elements,
+        rays => DirectQuality::PerPixel(rays.div_ceil(FRAMES)),
+    };
+    let settings = PassSettings { direct, ..PassSettings::default() };
+    Ok(mean_of_frames(&request.solution, &request.camera, request.size, FRAMES, &settings, progress)?)
+}
+
+fn write_png(request: &ExportRequest, layers: &Layers) -> Result<()> {
+    let picture = layers.sum(request.weights);
+    let pixels = display(&picture, &request.display);
     Ok(png::write_png(&request.path, picture.width, picture.height, &pixels)?)
 }

@@ -1,9 +1,8 @@
 //! What the worker does with a scene: read it, solve it, picture it. No thread and no window here.
 
 use crate::{
-    cli,
     document::Document,
-    examples,
+    examples, panoramas,
     placement::Placement,
     session::{Against, Reference},
     session_file,
@@ -243,7 +242,7 @@ pub fn other_volume(
         VolumeSource::Reference => Ok(volume.of_reference(&solution.world, VOLUME_PATHS, progress)?),
         VolumeSource::Panoramas(list) => {
             progress.begin("reading panoramas");
-            let nodes = cli::panorama::read(list)?;
+            let nodes = panoramas::read(list)?;
             let settings = VolumeSettings { bins_n: volume.bins().n(), ..VolumeSettings::default() };
             Ok(IrradianceVolume::from_panoramas(&nodes, &settings, progress)?)
         }

@@ -1,10 +1,11 @@
 //! Where illuminance is measured, and what is asked of it: the part of a document that placement needs.
 
 use lumenscope_core::{
-    irradiance_volume::placement::{grid::MeasuringGrid, requirement::Requirement},
+    irradiance_volume::placement::{Measurement, grid::MeasuringGrid, requirement::Requirement},
     scene::{MeasuringPlane, Scene, geometry::Geometry},
 };
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 
 /// The view that shows a measurement in the scene.
 pub const PLACEMENT: &str = "irradiance_volume.placement";
@@ -97,4 +98,17 @@ impl Placement {
             }
         }
     }
+}
+
+/// Every point measured: position in m, illuminance in lx.
+pub fn csv(measured: &Measurement) -> String {
+    let mut text = String::from("u,v,x,y,z,E_lx\n");
+    let nx = measured.grid.nx as usize;
+    for (i, (point, value)) in measured.grid.points.iter().zip(&measured.values).enumerate() {
+        if let (Some(p), Some(e)) = (point, value) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{},{},{},{},{},{e}", i % nx, i / nx, p.x, p.y, p.z);
+        }
+    }
+    text
 }

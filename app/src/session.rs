@@ -11,6 +11,7 @@ use crate::{
     copies::CopyVolume,
     document::{dim_problem, exists, place_problem},
     examples::Example,
+    export::Export,
     history::{History, Key},
     journal::Journal,
     light_paths::LightPaths,
@@ -119,16 +120,8 @@ pub enum Effect {
     OtherVolume(VolumeSource),
     /// Write the session.
     Save(PathBuf),
-    /// Write the open spheres as EXR.
-    ExportProbe(PathBuf),
-    /// Write a panorama from where they are.
-    ExportPanorama(PathBuf),
-    /// Write the picture as PNG.
-    ExportPicture(PathBuf),
-    /// Write the picture with a streamed wall in it as PNG.
-    ExportWall(PathBuf),
-    /// Write the layers as EXR.
-    ExportLayers(PathBuf),
+    /// Write something to a file.
+    Export(Export, PathBuf),
     /// Stop the work in progress.
     Cancel,
     /// Ask for a file.
@@ -294,11 +287,7 @@ impl Session {
             Command::AddModel(path) if self.base.is_some() => vec![Effect::AddModel(path)],
             Command::AddModel(path) => vec![Effect::Load(path)],
             Command::SaveSession(path) => self.if_open(Effect::Save(path)),
-            Command::ExportPicture(path) => self.if_open(Effect::ExportPicture(path)),
-            Command::ExportProbe(path) => self.if_open(Effect::ExportProbe(path)),
-            Command::ExportPanorama(path) => self.if_open(Effect::ExportPanorama(path)),
-            Command::ExportWall(path) => self.if_open(Effect::ExportWall(path)),
-            Command::ExportLayers(path) => self.if_open(Effect::ExportLayers(path)),
+            Command::Export(what, path) => self.if_open(Effect::Export(what, path)),
             Command::StartReference => match self.light_paths.traced() {
                 Ok(_) => {
                     self.reference = None;

@@ -8,6 +8,7 @@ mod bench;
 
 use crate::{
     copies::CopiesRequest,
+    export::ExportRequest,
     pipeline::{Loaded, Source, VolumeSource},
     placement::Placement,
     session::{Kept, Reference, VolumeView},
@@ -24,7 +25,7 @@ use lumenscope_core::{
     math::progress::Progress,
     reference::expression::Expression,
     scene::{Scene, camera::Camera},
-    superposition::{composite::Display, plan::Plan},
+    superposition::plan::Plan,
     transport::LightTransportSolution,
 };
 use std::{
@@ -51,8 +52,8 @@ pub enum News {
     Inspection(Option<Arc<InspectionScene>>),
     /// A volume was made to compare with, and where its light comes from.
     OtherVolume(Arc<IrradianceVolume>, &'static str),
-    /// The reference has more samples.
-    Reference(Reference),
+    /// The reference of the request with this number has more samples.
+    Reference(Reference, u64),
     /// A file was written.
     Written(PathBuf),
     /// Something was cancelled.
@@ -102,38 +103,6 @@ pub struct ReferenceRequest {
     pub paths: Option<Expression>,
 }
 
-/// A file to write.
-#[derive(Clone)]
-pub struct ExportRequest {
-    /// Where.
-    pub path: PathBuf,
-    /// What is shown.
-    pub solution: Arc<LightTransportSolution>,
-    /// Camera.
-    pub camera: Camera,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Weight of each layer.
-    pub weights: lumenscope_core::superposition::layers::Weights,
-    /// Shadow rays a pixel and area emitter.
-    pub shadow_rays: u32,
-    /// What is written.
-    pub what: Exported,
-}
-
-/// What a file is to hold.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Exported {
-    /// The picture as it is shown.
-    Picture(Display),
-    /// Its layers, as EXR.
-    Layers,
-    /// The radiance that arrives at a point, m, from all around.
-    Panorama(Vec3),
-    /// The picture with a cinder-block wall streamed into it.
-    Wall(Display),
-}
-
 /// The job at work.
 #[derive(Clone, Debug)]
 pub struct Job {
@@ -169,6 +138,8 @@ struct Slots {
     measure: bool,
     exports: VecDeque<ExportRequest>,
     reference: Option<Option<ReferenceRequest>>,
+    /// Requests for a reference so far, forgetting it included.
+    references: u64,
     /// A volume that is wanted to compare with.
     other_volume: Option<VolumeSource>,
     /// Copies that every light is shown with.
@@ -181,6 +152,14 @@ struct Slots {
     meanwhile: Option<Rank>,
     job: Option<Job>,
     quit: bool,
+}
+
+impl Slots {
+    /// From now on no reference is news but that of this request.
+    fn want_reference(&mut self, request: Option<ReferenceRequest>) {
+        self.reference = Some(request);
+        self.references += 1;
+    }
 }
 
 struct Shared {
@@ -214,9 +193,11 @@ impl Worker {
         Ok(Self { shared, news, thread: Some(thread) })
     }
 
-    /// What has come out since the last call.
+    /// What has come out since the last call, but for references of what is shown no more.
     pub fn news(&self) -> Vec<News> {
-        self.news.try_iter().collect()
+        let latest = self.shared.slots().references;
+        let old = |news: &News| matches!(news, News::Reference(_, number) if *number != latest);
+        self.news.try_iter().filter(|news| !old(news)).collect()
     }
 
     /// The job at work.
@@ -255,7 +236,7 @@ impl Worker {
             slots.inspect = None;
             slots.placement = Placement::default();
             slots.measure = false;
-            slots.reference = Some(None);
+            slots.want_reference(None);
             slots.other_volume = None;
             slots.copies = None;
             slots.dress = false;
@@ -287,7 +268,7 @@ impl Worker {
 
     /// Starts, resumes or (with `None`) forgets the reference picture.
     pub fn reference(&self, request: Option<ReferenceRequest>) {
-        self.put(Rank::Any, |slots| slots.reference = Some(request));
+        self.put(Rank::Any, |slots| slots.want_reference(request));
     }
 
     /// Shows every light with these copies from now on, or without any.
@@ -303,7 +284,7 @@ impl Worker {
         self.put(Rank::Any, |slots| slots.other_volume = Some(source));
     }
 
-    /// Writes a picture or its layers.
+    /// Writes a file.
     pub fn export(&self, request: ExportRequest) {
         self.put(Rank::Any, |slots| slots.exports.push_back(request));
     }
@@ -326,7 +307,7 @@ impl Worker {
             slots.refine = false;
             slots.probe = None;
             slots.exports.clear();
-            slots.reference = Some(None);
+            slots.want_reference(None);
             slots.other_volume = None;
             slots.measure = false;
         });

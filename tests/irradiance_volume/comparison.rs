@@ -43,9 +43,20 @@ fn the_difference_of_constants_is_a_constant() {
     let same = Difference::new(&a, &a, Part::All).statistics();
     assert_eq!((same.mean_absolute_lx, same.largest_lx), (0.0, 0.0));
     // All of A's values are 3/7 off: the fifth step of a tenth.
-    let counts = difference.histogram(10, 0.1);
+    let compared = difference.compare(10, 0.1);
+    let counts = compared.counts;
+    assert_eq!(compared.statistics, s);
+    assert!(near(compared.floor_lx, 0.05 * 7.0 * PI));
     assert_eq!(counts[4] as usize, a.samples().len() * a.bins().len());
     assert_eq!(counts.iter().sum::<u32>(), counts[4]);
+}
+
+#[test]
+fn two_dark_volumes_differ_by_nothing_and_not_by_no_number() {
+    let scene = room([Vec3::ZERO; 6]);
+    let dark = build(&scene, &PerTriangle(vec![Vec3::ZERO; 12]), &small([2, 2, 2]));
+    let s = Difference::new(&dark, &dark, Part::All).statistics();
+    assert_eq!((s.median_relative, s.percentile_95_relative, s.mean_b_lx), (0.0, 0.0, 0.0));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use lumenscope_core::{
     scene::{camera::Camera, world::World},
     superposition::{
         gbuffer::GBuffer,
+        layers::Layers,
         streamed::{StreamedPicture, Strip},
     },
 };
@@ -74,7 +75,6 @@ fn streamed(rows: u32, shadow_rays: u32, cover: bool) -> (LinearImage, usize) {
             *depth = if i % 96 < 48 { 0.1 } else { *depth };
         }
     }
-    let mut picture = LinearImage::new(96, 64);
     let mut stream = StreamedPicture::new(&buffer, &camera, &volume, Vec3::new(0.2, 0.4, 0.8));
     for strip in wall(20_000).strips(rows) {
         stream.draw(&Strip {
@@ -85,8 +85,9 @@ fn streamed(rows: u32, shadow_rays: u32, cover: bool) -> (LinearImage, usize) {
     }
     let counts = stream.counts();
     assert_eq!(counts.polygons, wall(20_000).polygons() as usize);
-    stream.composite(&mut picture, &world, shadow_rays);
-    (picture, stream.pixels())
+    let mut layers = Layers::new(96, 64);
+    stream.composite(&mut layers, &world, shadow_rays, &Progress::silent()).unwrap();
+    (layers.total(), stream.pixels())
 }
 
 #[test]

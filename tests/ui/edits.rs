@@ -5,6 +5,7 @@ use egui_kittest::kittest::Queryable;
 
 use lumenscope::{
     command::{Command, Window as WindowCommand},
+    export::Export,
     session::View,
 };
 use lumenscope_core::{
@@ -55,14 +56,22 @@ fn a_session_is_saved_and_reopened_and_pictures_are_exported() {
     let edits = window.edits_bytes();
     window.wait_lit();
     let (png, exr) = (window.folder.path().join("out.png"), window.folder.path().join("out.exr"));
-    window.run(Command::ExportPicture(png.clone()));
-    window.run(Command::ExportLayers(exr.clone()));
+    window.run(Command::Export(Export::Picture, png.clone()));
+    window.run(Command::Export(Export::Layers, exr.clone()));
     window.wait("the exports", |app| !app.is_busy());
     let plain = image::open(&png).unwrap();
     assert!(plain.width() > 500);
-    window.run(Command::ExportWall(png.clone()));
+    window.run(Command::Export(Export::Wall, png.clone()));
     window.wait("the wall", |app| !app.is_busy());
-    assert_ne!(image::open(&png).unwrap(), plain, "612,000 polygons more");
+    let with_wall = image::open(&png).unwrap();
+    assert_ne!(with_wall, plain, "612,000 polygons more");
+    // The wall is weighted as everything is: light of no layer is no picture.
+    let mut view = window.view();
+    view.weights = [0.0; 5];
+    window.run(Command::View(Box::new(view)));
+    window.run(Command::Export(Export::Wall, png.clone()));
+    window.wait("the wall in no light", |app| !app.is_busy());
+    assert!(image::open(&png).unwrap().to_rgb8().pixels().all(|p| p.0 == [0; 3]));
     let layers = lumenscope_core::io::exr::read_layers(&exr).unwrap();
     let names = ["emitted", "direct", "indirect", "mirror", "glossy"];
     assert_eq!(layers.iter().map(|l| l.0.as_str()).collect::<Vec<_>>(), names);

@@ -2,7 +2,7 @@
 
 use crate::window::Window;
 use egui_kittest::kittest::Queryable;
-use lumenscope::command::Command;
+use lumenscope::{command::Command, export::Export};
 use lumenscope_core::io::probe::LAYERS;
 
 #[test]
@@ -41,7 +41,8 @@ fn the_spheres_are_seen_at_every_resolution_as_plots_lobes_and_files() {
     }
 
     let file = window.folder.path().join("spheres.exr");
-    window.run(Command::ExportProbe(file.clone()));
+    window.run(Command::Export(Export::Spheres, file.clone()));
+    window.wait("the spheres' file", |app| !app.is_busy());
     let layers = lumenscope_core::io::exr::read_layers(&file).unwrap();
     assert!(LAYERS.iter().all(|(name, ..)| layers.iter().any(|l| l.0 == *name)));
 }

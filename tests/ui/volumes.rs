@@ -2,7 +2,9 @@
 
 use crate::window::Window;
 use glam::Vec3;
-use lumenscope::{app::LumenscopeApp, command::Command, pipeline::VolumeSource, session::Against};
+use lumenscope::{
+    app::LumenscopeApp, command::Command, export::Export, pipeline::VolumeSource, session::Against,
+};
 use lumenscope_core::scene::Target;
 
 /// Largest value on screen by size, of the difference that is shown.
@@ -53,7 +55,7 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
     view.probe = Some((Vec3::new(1.0, 1.5, 0.5), Vec3::Y));
     window.run(Command::View(Box::new(view)));
     let file = window.folder.path().join("p.exr");
-    window.run(Command::ExportPanorama(file.clone()));
+    window.run(Command::Export(Export::Panorama, file.clone()));
     window.wait("the panorama", |app| !app.is_busy() && file.exists());
     let list = window.folder.path().join("nodes.ron");
     std::fs::write(&list, r#"[(position: (1.0, 1.5, 0.5), file: "p.exr")]"#).unwrap();

@@ -3,14 +3,15 @@
 use super::LumenscopeApp;
 use crate::{
     command::{Command, Dialog, Window},
+    export::{Export, ExportRequest},
     panels::notice::UnsavedAnswer,
     pipeline::{Source, VolumeSource},
     session::Effect,
     session_file,
-    worker::{ExportRequest, Exported, InspectRequest, ProbeRequest, ReferenceRequest},
+    worker::{InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use egui::ViewportCommand;
-use lumenscope_core::{io::probe::write_probe, superposition::composite::DirectQuality};
+use lumenscope_core::superposition::composite::DirectQuality;
 use std::{
     path::PathBuf,
     sync::{Arc, mpsc::Sender},
@@ -61,18 +62,7 @@ impl LumenscopeApp {
             Effect::OtherVolume(source) => self.worker.other_volume(source),
             Effect::DropReference => self.worker.reference(None),
             Effect::Save(path) => self.save(path),
-            Effect::ExportProbe(path) => self.export_probe(&path),
-            Effect::ExportPicture(path) => {
-                self.export(path, Exported::Picture(self.session.document.view.display));
-            }
-            Effect::ExportWall(path) => {
-                self.export(path, Exported::Wall(self.session.document.view.display));
-            }
-            Effect::ExportLayers(path) => self.export(path, Exported::Layers),
-            Effect::ExportPanorama(path) => match self.session.document.view.probe {
-                Some((at, _)) => self.export(path, Exported::Panorama(at)),
-                None => self.no_spheres(),
-            },
+            Effect::Export(what, path) => self.export(what, path),
             Effect::Cancel => {
                 if self.worker.cancel() {
                     self.session.document.view.copies = None;
@@ -122,37 +112,26 @@ impl LumenscopeApp {
         }
     }
 
-    fn export_probe(&mut self, path: &std::path::Path) {
-        let Some(probe) = &self.session.probe else {
-            return self.no_spheres();
-        };
-        match write_probe(path, probe, true) {
-            Ok(()) => self.session.log.info(format!("{} written", path.display())),
-            Err(error) => self.fail("Exporting the spheres failed".into(), error.to_string()),
-        }
-    }
-
-    fn no_spheres(&mut self) {
-        self.fail("No spheres are open".into(), "click a point in the scene first".into());
-    }
-
-    fn export(&mut self, path: PathBuf, what: Exported) {
+    fn export(&mut self, what: Export, path: PathBuf) {
         let Some(solution) = self.session.solution.clone() else {
             self.fail("Nothing to export yet".into(), "the scene has no light so far".into());
             return;
         };
         let view = &self.session.document.view;
         self.worker.export(ExportRequest {
+            what,
             path,
             solution: Arc::new(solution.with_gloss(view.gloss())),
             camera: view.camera,
             size: self.picture_size(self.dock.viewport_size.x.clamp(16.0, 4096.0) as u32),
             weights: view.weights,
+            display: view.display,
             shadow_rays: match view.direct {
                 DirectQuality::Elements => 0,
                 DirectQuality::PerPixel(rays) => rays.max(16),
             },
-            what,
+            probe: self.session.probe.clone(),
+            at: view.probe.map(|p| p.0),
         });
     }
 
@@ -221,26 +200,10 @@ fn ask_for_file(
             let ask = ask.set_title("Save the session").set_file_name(format!("{name}.lumenscope"));
             Box::pin(ask.add_filter("Sessions", &[session_file::EXTENSION]).save_file())
         }
-        Dialog::ExportPicture => {
-            let ask = ask.set_title("Export the picture").set_file_name(format!("{name}.png"));
-            Box::pin(ask.add_filter("PNG", &["png"]).save_file())
-        }
-        Dialog::ExportWall => {
-            let ask =
-                ask.set_title("Export the picture with a wall").set_file_name(format!("{name}-wall.png"));
-            Box::pin(ask.add_filter("PNG", &["png"]).save_file())
-        }
-        Dialog::ExportLayers => {
-            let ask = ask.set_title("Export the layers").set_file_name(format!("{name}.exr"));
-            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
-        }
-        Dialog::ExportProbe => {
-            let ask = ask.set_title("Export the spheres").set_file_name(format!("{name}-spheres.exr"));
-            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
-        }
-        Dialog::ExportPanorama => {
-            let ask = ask.set_title("Export a panorama").set_file_name(format!("{name}-panorama.exr"));
-            Box::pin(ask.add_filter("OpenEXR", &["exr"]).save_file())
+        Dialog::Export(what) => {
+            let (format, extension) = what.format();
+            let ask = ask.set_title(what.title()).set_file_name(what.file_name(name));
+            Box::pin(ask.add_filter(format, &[extension]).save_file())
         }
         Dialog::Panoramas => {
             let ask = ask.set_title("A volume from panoramas: the list of nodes");
@@ -254,11 +217,7 @@ fn ask_for_file(
             Dialog::Open => Command::Open(path),
             Dialog::AddModel => Command::AddModel(path),
             Dialog::SaveSession => Command::SaveSession(path),
-            Dialog::ExportPicture => Command::ExportPicture(path),
-            Dialog::ExportWall => Command::ExportWall(path),
-            Dialog::ExportLayers => Command::ExportLayers(path),
-            Dialog::ExportProbe => Command::ExportProbe(path),
-            Dialog::ExportPanorama => Command::ExportPanorama(path),
+            Dialog::Export(what) => Command::Export(what, path),
             Dialog::Panoramas => Command::CompareWith(VolumeSource::Panoramas(path)),
         };
         // Without a receiver the window is gone.

@@ -10,7 +10,7 @@ use lumenscope_core::{
     superposition::{
         composite::DirectQuality,
         moved::MovedLight,
-        pass::{PassSettings, render},
+        pass::{PassSettings, render, render_lit},
     },
     transport::LightTransportSolution,
 };
@@ -263,13 +263,11 @@ fn measure(solved: &LightTransportSolution, mut scene: Scene, options: &Options)
         solution.world = Arc::new(world.clone());
         let start = Instant::now();
         let light = MovedLight::new(&solution, true);
-        let query = start.elapsed();
-        cost.query += query;
+        cost.query += start.elapsed();
         anyhow::ensure!(!light.entries.is_empty(), "the object has no triangles");
         let start = Instant::now();
-        render(&solution, &camera, width, height, &settings);
-        // The frame asks the volume too: that share is counted once.
-        cost.frame += start.elapsed().saturating_sub(query);
+        render_lit(&solution, &light, &camera, width, height, &settings);
+        cost.frame += start.elapsed();
         let start = Instant::now();
         render(solved, &camera, width, height, &settings);
         cost.model += start.elapsed();

@@ -13,16 +13,16 @@ use lumenscope_core::{
         GlossyMethod,
         pass::{GlossyFrame, lobes},
     },
-    math::image::LinearImage,
+    math::{image::LinearImage, progress::Cancelled},
     measure::image,
     mirror::{pass::mirror_image, reflectors::Reflectors},
     reference::picture::ReferencePicture,
     scene::Scene,
     superposition::{
         PassSettings,
-        accumulator::Accumulator,
         composite::{self, DirectQuality},
         layers::Layer,
+        mean_of_frames,
         pass::{Shading, render},
     },
     transport::LightTransportSolution,
@@ -87,7 +87,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         write("reference", &reference)?;
         let distance = distances(&solution, options.size, common.seed);
         for method in GlossyMethod::ALL {
-            let picture = picture(&solution, method, options, common.seed);
+            let picture = picture(&solution, method, options, common.seed)?;
             write(method.name(), &picture)?;
             let rel_mse = image::rel_mse(&picture, &reference)?;
             let flip = flip(&picture, &reference)?;
@@ -139,18 +139,15 @@ fn picture(
     method: GlossyMethod,
     options: &Options,
     seed: u64,
-) -> LinearImage {
+) -> Result<LinearImage, Cancelled> {
     let mut scene = (*solution.scene).clone();
     scene.plan.glossy = Some(method);
     let solution = LightTransportSolution { scene: Arc::new(scene), ..solution.clone() };
-    let [width, height] = options.size;
-    let mut mean = Accumulator::new();
-    for frame in 0..options.frames {
-        let settings =
-            PassSettings { direct: DirectQuality::PerPixel(4), frame, jitter: options.frames > 1, seed };
-        mean.add(&render(&solution, &solution.scene.camera, width, height, &settings).1);
-    }
-    mean.mean().get(Layer::Glossy).clone()
+    let camera = &solution.scene.camera;
+    let settings = PassSettings { direct: DirectQuality::PerPixel(4), seed, ..PassSettings::default() };
+    let (size, frames) = (options.size, options.frames);
+    let layers = solve::watched(|p| mean_of_frames(&solution, camera, size, frames, &settings, p))?;
+    Ok(layers.get(Layer::Glossy).clone())
 }
 
 /// Distance from the surface to what each pixel mirrors, m; NaN where it is not glossy.

@@ -1,16 +1,14 @@
 //! `panorama` and `panoramas`: a picture of everything around a point, and a volume from such pictures.
 
 use super::{Common, parse_point, report, solve};
-use anyhow::Context;
+use crate::panoramas;
 use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
-    io::{exr, panorama as files},
-    irradiance_volume::{IrradianceVolume, VolumeSettings, panorama::PanoramaNode},
-    math::image::LinearImage,
+    irradiance_volume::{IrradianceVolume, VolumeSettings},
     superposition::panorama::panorama,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Options of `panorama`.
 #[derive(Args)]
@@ -40,7 +38,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let solution = solve::solve(&loaded, false)?;
     let image =
         solve::watched(|progress| panorama(&solution, options.at, options.height, options.rays, progress))?;
-    write(&options.out, &image, options.at)?;
+    panoramas::write(&options.out, &image, options.at)?;
     let mean = image.mean();
     eprintln!("{}: mean {:.3} {:.3} {:.3} cd/m²", options.out.display(), mean.x, mean.y, mean.z);
     Ok(())
@@ -62,43 +60,12 @@ pub struct VolumeOptions {
     bins_n: u32,
 }
 
-/// One line of the list of nodes.
-#[derive(serde::Deserialize)]
-struct NodeLine {
-    position: Vec3,
-    file: PathBuf,
-}
-
-/// Writes a panorama taken at a point, in m, as OpenEXR.
-///
-/// # Errors
-/// With the file's name, if it cannot be written.
-pub fn write(path: &Path, image: &LinearImage, at: Vec3) -> anyhow::Result<()> {
-    let note = format!("latitude-longitude panorama at {at} m, radiance in cd/m2");
-    Ok(exr::write_layers(path, &[("", image)], &note)?)
-}
-
-/// Reads a list of nodes and the panoramas that it names, which lie beside it.
-///
-/// # Errors
-/// One line naming the file and the cause.
-pub fn read(list: &Path) -> anyhow::Result<Vec<PanoramaNode>> {
-    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?;
-    let lines: Vec<NodeLine> =
-        ron::from_str(&text).with_context(|| format!("{}: not a list of nodes", list.display()))?;
-    let folder = list.parent().unwrap_or(Path::new(""));
-    lines
-        .into_iter()
-        .map(|l| Ok(PanoramaNode { position: l.position, image: files::read(&folder.join(l.file))? }))
-        .collect()
-}
-
 /// Reads panoramas, makes a volume of them and writes it.
 ///
 /// # Errors
 /// One line naming the file and the cause.
 pub fn volume(options: &VolumeOptions) -> anyhow::Result<()> {
-    let nodes = read(&options.nodes)?;
+    let nodes = panoramas::read(&options.nodes)?;
     let samples = <[u32; 3]>::try_from(&options.samples[..]).ok();
     let settings = VolumeSettings { samples, bins_n: options.bins_n, ..VolumeSettings::default() };
     let volume = solve::watched(|progress| IrradianceVolume::from_panoramas(&nodes, &settings, progress))?;

@@ -1,6 +1,7 @@
 //! `placement`: illuminance on a plane or an object's top, as numbers, table and map.
 
 use super::{Common, placement_map, solve};
+use crate::placement::csv;
 use anyhow::{Context, bail};
 use clap::Args;
 use lumenscope_core::{
@@ -13,7 +14,7 @@ use lumenscope_core::{
     scene::Scene,
     transport::LightTransportSolution,
 };
-use std::{fmt::Write as _, path::PathBuf};
+use std::path::PathBuf;
 
 /// Options of `placement`.
 #[derive(Args)]
@@ -161,19 +162,6 @@ fn requirement(options: &Options) -> anyhow::Result<Requirement> {
         bail!("what is asked of the light must be positive numbers");
     }
     Ok(wanted)
-}
-
-/// Every point measured: position in m, illuminance in lx.
-pub fn csv(measured: &Measurement) -> String {
-    let mut text = String::from("u,v,x,y,z,E_lx\n");
-    let nx = measured.grid.nx as usize;
-    for (i, (point, value)) in measured.grid.points.iter().zip(&measured.values).enumerate() {
-        if let (Some(p), Some(e)) = (point, value) {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{},{},{},{},{},{e}", i % nx, i / nx, p.x, p.y, p.z);
-        }
-    }
-    text
 }
 
 /// The numbers of a measurement, one a line.

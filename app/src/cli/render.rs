@@ -6,12 +6,12 @@ use lumenscope_core::{
     gpu,
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
-    math::{image::LinearImage, progress::Progress},
+    math::image::LinearImage,
     superposition::{
-        accumulator::Accumulator,
         composite::{self, DirectQuality, Display},
         layers::{Layer, Layers},
-        pass::{PassSettings, render},
+        mean_of_frames,
+        pass::PassSettings,
     },
     transport::LightTransportSolution,
 };
@@ -119,7 +119,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 /// When a GPU is asked for and none answers.
 pub fn picture(
     solution: &LightTransportSolution,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     frames: u32,
     backend: Backend,
     seed: u64,
@@ -128,7 +128,7 @@ pub fn picture(
         match gpu::offline::render(
             solution,
             &solution.scene.camera,
-            [width, height],
+            size,
             frames,
             seed,
             backend == Backend::Gpu,
@@ -138,27 +138,10 @@ pub fn picture(
             Err(_) => {}
         }
     }
-    Ok((picture_on_cpu(solution, [width, height], frames, seed), "cpu".into()))
-}
-
-/// The layers of a solution seen by its scene's camera, on the CPU.
-pub fn picture_on_cpu(
-    solution: &LightTransportSolution,
-    [width, height]: [u32; 2],
-    frames: u32,
-    seed: u64,
-) -> Layers {
-    solve::watched(|progress: &Progress| {
-        progress.begin("picture");
-        let mut mean = Accumulator::new();
-        for frame in 0..frames.max(1) {
-            let settings =
-                PassSettings { direct: DirectQuality::PerPixel(2), frame, jitter: frames > 1, seed };
-            mean.add(&render(solution, &solution.scene.camera, width, height, &settings).1);
-            let _ = progress.report((frame + 1) as f32 / frames.max(1) as f32);
-        }
-        mean.mean()
-    })
+    let settings = PassSettings { direct: DirectQuality::PerPixel(2), seed, ..PassSettings::default() };
+    let camera = &solution.scene.camera;
+    let layers = solve::watched(|p| mean_of_frames(solution, camera, size, frames, &settings, p))?;
+    Ok((layers, "cpu".into()))
 }
 
 /// The display a picture is written with: filmic, exposed by its log-average luminance.

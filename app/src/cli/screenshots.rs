@@ -8,7 +8,7 @@ use super::{
     render::{self, Backend, auto_display},
     small_png, solve, wall,
 };
-use crate::widgets::resolutions::ROWS;
+use crate::{wall::WallSettings, widgets::resolutions::ROWS};
 use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
@@ -78,7 +78,7 @@ fn put_in(path: &Path, solution: &LightTransportSolution, folder: &Path, seed: u
         let pixels = composite::display(shown, &auto_display(shown));
         small_png::write(&folder.join(name), shown.width, shown.height, &pixels)
     };
-    write("wall.png", &wall::draw(&wall::Options::beside(solution, SIZE), solution, seed)?.0)?;
+    write("wall.png", &wall::draw(&WallSettings::beside(solution), solution, SIZE, seed)?.0)?;
     let Some(chair) = solution.scene.objects.iter().position(|o| o.name == "Chair") else { return Ok(()) };
     write("copies.png", &copies::draw(&copies::Options::for_tour(path, SIZE), solution, chair, seed)?.0)
 }

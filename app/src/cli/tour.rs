@@ -132,7 +132,6 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("difference", GRAIN)?;
     tour.open(Example::Teapot)?;
     tour.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
-    tour.view(|view| view.weights = [0.0, 0.0, 0.0, 1.0, 1.0]);
     tour.photograph("specular", GRAIN)
 }
 

@@ -4,6 +4,7 @@ use super::edit_view;
 use crate::{
     command::{Command, Dialog, Window},
     examples::Example,
+    export::Export,
     session::{Compare, Session},
 };
 use egui::{Button, MenuBar, Ui};
@@ -50,16 +51,13 @@ fn file(ui: &mut Ui, session: &Session, recent: &[PathBuf], out: &mut Vec<Comman
     item(ui, "Save session", "Ctrl+S", open, save, out);
     item(ui, "Save session as…", "Ctrl+Shift+S", open, Command::Dialog(Dialog::SaveSession), out);
     ui.separator();
-    item(ui, "Export picture (PNG)…", "", open, Command::Dialog(Dialog::ExportPicture), out);
-    item(
-        ui,
-        "Export picture with a streamed wall (PNG)…",
-        "",
-        open,
-        Command::Dialog(Dialog::ExportWall),
-        out,
-    );
-    item(ui, "Export layers (EXR)…", "", open, Command::Dialog(Dialog::ExportLayers), out);
+    for (label, what) in [
+        ("Export picture (PNG)…", Export::Picture),
+        ("Export picture with a streamed wall (PNG)…", Export::Wall),
+        ("Export layers (EXR)…", Export::Layers),
+    ] {
+        item(ui, label, "", open, Command::Dialog(Dialog::Export(what)), out);
+    }
     ui.separator();
     item(ui, "Quit", "", true, Command::Window(Window::Quit), out);
 }
@@ -84,9 +82,12 @@ fn view(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
         (Compare::Reference, "Reference (path tracer)"),
         (Compare::Difference, "Difference"),
     ] {
-        if ui.radio(shown.compare == compare, label).clicked() {
-            edit_view(shown, out, |v| v.compare = compare);
-        }
+        let enabled = compare != Compare::Difference || session.light_paths.is_comparable();
+        ui.add_enabled_ui(enabled, |ui| {
+            if ui.radio(shown.compare == compare, label).clicked() {
+                edit_view(shown, out, |v| v.compare = compare);
+            }
+        });
     }
     ui.separator();
     let mut volume = shown.volume.shown;

@@ -211,7 +211,7 @@ fn result(ui: &mut Ui, measured: &Measurement, wanted: &Requirement) {
                 .on_hover_text("Copies every point as CSV: x, y, z in m, E in lx")
                 .clicked()
             {
-                ui.ctx().copy_text(crate::cli::placement::csv(measured));
+                ui.ctx().copy_text(crate::placement::csv(measured));
             }
             let how = match measured.gather_rays {
                 0 => "indirect light from the volume".to_owned(),

@@ -14,6 +14,7 @@ use lumenscope_core::{
         accumulator::Accumulator,
         composite::{self, DifferenceDisplay, DirectQuality},
         gbuffer::GBuffer,
+        layers::Layers,
         overlay,
     },
 };
@@ -183,8 +184,7 @@ impl CpuPicture {
         self.fly(ctx, stage, move || {
             let size = request.size.map(|s| ((f64::from(s) * scale) as u32).max(2));
             let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
-            let (buffer, layers) =
-                superposition::render(&request.solution, &request.camera, size[0], size[1], &settings);
+            let (buffer, layers) = draw(&request, size, &settings);
             let picture = layers.sum(request.weights);
             let (image, difference) = to_display(&request, &picture, &buffer);
             Landed {
@@ -221,13 +221,7 @@ impl CpuPicture {
             let buffer = match buffer {
                 Some(buffer) if redisplay => buffer,
                 before => {
-                    let (drawn, layers) = superposition::render(
-                        &request.solution,
-                        &request.camera,
-                        request.size[0],
-                        request.size[1],
-                        &settings(&request, mean.frames()),
-                    );
+                    let (drawn, layers) = draw(&request, request.size, &settings(&request, mean.frames()));
                     mean.add(&layers);
                     // The first frame looks through the pixels' centres: its depths suit the overlay.
                     before.unwrap_or(drawn)
@@ -258,6 +252,11 @@ impl CpuPicture {
             Err(error) => log::error!("no thread for the picture: {error}"),
         }
     }
+}
+
+fn draw(request: &Request, [width, height]: [u32; 2], settings: &PassSettings) -> (GBuffer, Layers) {
+    let light = &request.light;
+    superposition::render_lit(&light.solution, light.moved(), &request.camera, width, height, settings)
 }
 
 fn frames_wanted(request: &Request) -> u32 {

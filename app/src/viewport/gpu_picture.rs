@@ -1,6 +1,6 @@
 //! The picture drawn by the graphics device into a texture that egui shows.
 
-use super::request::{DisplayKey, RenderKey, Request, Same};
+use super::request::{DisplayKey, Lit, RenderKey, Request, Same};
 use egui::TextureId;
 use egui_wgpu::RenderState;
 use lumenscope_core::{
@@ -11,7 +11,6 @@ use lumenscope_core::{
     inspection::InspectionScene,
     math::false_colour::FalseColour,
     superposition::composite::DirectQuality,
-    transport::LightTransportSolution,
 };
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -26,7 +25,7 @@ pub struct GpuPicture {
     renderer: GpuRenderer,
     texture: Option<TextureId>,
     texture_size: [u32; 2],
-    uploaded: Same<LightTransportSolution>,
+    uploaded: Same<Lit>,
     inspected: Option<(Same<InspectionScene>, FalseColour)>,
     last: Option<RenderKey>,
     /// Frames in what is shown.
@@ -84,7 +83,7 @@ impl GpuPicture {
         let finished = !changed
             && self.frames >= request.frames_wanted()
             && self.displayed == Some(request.display_key());
-        if finished {
+        if finished || request.light.ready(ctx).is_none() {
             return self.texture;
         }
         if let Err(error) = self.upload(state, request) {
@@ -137,10 +136,11 @@ impl GpuPicture {
     }
 
     fn upload(&mut self, state: &RenderState, request: &Request) -> Result<(), GpuError> {
-        let solution = Same(Some(request.solution.clone()));
-        if self.uploaded != solution {
-            self.renderer.upload(&state.device, &state.queue, &request.solution)?;
-            self.uploaded = solution;
+        let light = Same(Some(request.light.clone()));
+        if self.uploaded != light {
+            let (solution, moved) = (&request.light.solution, request.light.moved());
+            self.renderer.upload_lit(&state.device, &state.queue, solution, moved)?;
+            self.uploaded = light;
         }
         let colours = request.inspection_colours();
         let inspected = Some((Same(request.inspection.clone()), colours));

@@ -17,7 +17,7 @@ pub mod request;
 pub mod screen;
 
 pub use pick::{Pick, PickedSample};
-pub use picture::{Backend, metered};
+pub use picture::Backend;
 
 use crate::{
     command::Command,
@@ -34,7 +34,7 @@ use lumenscope_core::{
     transport::LightTransportSolution,
 };
 use picture::{Meter, Painted, Picture};
-use request::{Request, Same};
+use request::{Lit, Request, Same};
 use screen::Screen;
 use std::sync::Arc;
 
@@ -86,7 +86,7 @@ pub struct Viewport {
     moved_at: f64,
     pick: Option<(Pick, Same<LightTransportSolution>)>,
     /// A solution, how its movable objects were made to shine, and what that came to.
-    shining: Option<(Same<LightTransportSolution>, Gloss, Arc<LightTransportSolution>)>,
+    lit: Option<(Same<LightTransportSolution>, Option<Gloss>, Arc<Lit>)>,
 }
 
 impl Viewport {
@@ -171,22 +171,18 @@ impl Viewport {
     }
 
     /// The light with movable objects as glossy as the view wants them.
-    fn shining(
-        &mut self,
-        solution: &Arc<LightTransportSolution>,
-        view: &View,
-    ) -> Arc<LightTransportSolution> {
-        let Some(gloss) = view.gloss() else {
-            self.shining = None;
-            return solution.clone();
-        };
-        let of = Same(Some(solution.clone()));
-        match &self.shining {
-            Some((known, how, shining)) if *known == of && *how == gloss => shining.clone(),
+    fn lit(&mut self, solution: &Arc<LightTransportSolution>, view: &View) -> Arc<Lit> {
+        let (of, gloss) = (Same(Some(solution.clone())), view.gloss());
+        match &self.lit {
+            Some((known, how, lit)) if *known == of && *how == gloss => lit.clone(),
             _ => {
-                let shining = Arc::new(solution.with_gloss(Some(gloss)));
-                self.shining = Some((of, gloss, shining.clone()));
-                shining
+                let shining = match gloss {
+                    Some(_) => Arc::new(solution.with_gloss(gloss)),
+                    None => solution.clone(),
+                };
+                let lit = Lit::new(shining);
+                self.lit = Some((of, gloss, lit.clone()));
+                lit
             }
         }
     }
@@ -200,8 +196,9 @@ impl Viewport {
         moving: bool,
         out: &mut ViewportOutput,
     ) -> Option<Painted> {
-        let display = match input.solution {
-            Some(solution) => self.meter.display(solution, view, screen.aspect()),
+        let light = input.solution.map(|solution| self.lit(solution, view));
+        let display = match &light {
+            Some(light) => self.meter.display(ui.ctx(), light, view, screen.aspect())?,
             None => view.display,
         };
         out.ev100 = display.ev100;
@@ -211,8 +208,8 @@ impl Viewport {
             (Compare::Difference, Some(reference)) => [reference.width, reference.height],
             _ => pixels(ui, screen.rect),
         };
-        let request = input.solution.map(|solution| Request {
-            solution: self.shining(solution, view),
+        let request = light.map(|light| Request {
+            light,
             camera: view.camera,
             size,
             direct: view.direct,
@@ -229,7 +226,7 @@ impl Viewport {
         let reference = reference.filter(|_| compare == Compare::Reference).map(|r| (r, &display));
         let painted = self.picture.show(ui.ctx(), input.render_state, request.as_ref(), reference, moving)?;
         out.frame_seconds = painted.status.seconds;
-        out.settled = painted.settled && !moving;
+        out.settled = painted.settled && !moving && !self.meter.is_metering();
         let rect = match painted.aspect {
             // The vertical field of view is the camera's: a wider picture shows more at its sides.
             Some(aspect) => Rect::from_center_size(

@@ -4,7 +4,7 @@ use super::{
     cpu_picture::CpuPicture,
     gpu_picture::GpuPicture,
     overlay::Status,
-    request::{Request, Same},
+    request::{Lit, Request, Same},
 };
 use crate::session::{Compare, View};
 use egui::{ColorImage, TextureHandle, TextureId, TextureOptions};
@@ -17,9 +17,11 @@ use lumenscope_core::{
         composite::{self, DirectQuality, Display},
         layers::Weights,
     },
-    transport::LightTransportSolution,
 };
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    mpsc::{Receiver, TryRecvError, channel},
+};
 
 /// Who draws the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -165,37 +167,78 @@ impl Picture {
 }
 
 /// The display of a view with its exposure settled: metered from the picture where it follows it.
+///
+/// Metered on a thread of its own: what is on screen keeps its exposure until the next is known.
 #[derive(Default)]
 pub struct Meter {
-    key: Option<(Same<LightTransportSolution>, Camera, Weights)>,
+    /// What was metered last, or is being metered.
+    key: Option<MeterKey>,
+    /// The answer on its way.
+    flight: Option<Receiver<Option<f32>>>,
     ev100: Option<f32>,
 }
 
+type MeterKey = (Same<Lit>, Camera, Weights);
+
 impl Meter {
-    /// The view's display, exposure settled.
-    pub fn display(&mut self, solution: &Arc<LightTransportSolution>, view: &View, aspect: f32) -> Display {
+    /// The view's display, exposure settled; `None` before the first exposure is known.
+    pub fn display(
+        &mut self,
+        ctx: &egui::Context,
+        light: &Arc<Lit>,
+        view: &View,
+        aspect: f32,
+    ) -> Option<Display> {
         if !view.auto_exposure {
-            return view.display;
+            self.ev100 = None;
+            return Some(view.display);
         }
-        let key = Some((Same(Some(solution.clone())), view.camera, view.weights));
-        if self.key != key {
-            self.key = key;
-            self.ev100 = metered(solution, &view.camera, view.weights, aspect).or(self.ev100);
+        match self.flight.as_ref().map(Receiver::try_recv) {
+            Some(Ok(found)) => {
+                self.ev100 = found.or(self.ev100).or(Some(view.display.ev100));
+                self.flight = None;
+            }
+            Some(Err(TryRecvError::Disconnected)) => self.flight = None,
+            Some(Err(TryRecvError::Empty)) | None => {}
         }
-        Display { ev100: self.ev100.unwrap_or(view.display.ev100), ..view.display }
+        let key: MeterKey = (Same(Some(light.clone())), view.camera, view.weights);
+        if self.flight.is_none() && self.key.as_ref() != Some(&key) {
+            self.start(ctx, light.clone(), view, aspect);
+            self.key = Some(key);
+        }
+        Some(Display { ev100: self.ev100?, ..view.display })
+    }
+
+    /// Whether a better exposure is on its way.
+    pub fn is_metering(&self) -> bool {
+        self.flight.is_some()
+    }
+
+    fn start(&mut self, ctx: &egui::Context, light: Arc<Lit>, view: &View, aspect: f32) {
+        let (sender, answer) = channel();
+        let (camera, weights, ctx) = (view.camera, view.weights, ctx.clone());
+        let spawned = std::thread::Builder::new().name("meter".into()).spawn(move || {
+            // The window may have closed meanwhile.
+            if sender.send(metered(&light, &camera, weights, aspect)).is_ok() {
+                ctx.request_repaint();
+            }
+        });
+        match spawned {
+            Ok(_) => self.flight = Some(answer),
+            Err(error) => {
+                log::error!("no thread for the exposure: {error}");
+                self.ev100 = self.ev100.or(Some(view.display.ev100));
+            }
+        }
     }
 }
 
 /// Exposure value that suits what a camera sees; `None` where all is black.
-pub fn metered(
-    solution: &LightTransportSolution,
-    camera: &Camera,
-    weights: Weights,
-    aspect: f32,
-) -> Option<f32> {
+fn metered(light: &Lit, camera: &Camera, weights: Weights, aspect: f32) -> Option<f32> {
     const HEIGHT: u32 = 27;
     let width = ((HEIGHT as f32 * aspect) as u32).clamp(8, 96);
     let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
-    let (_, layers) = superposition::render(solution, camera, width, HEIGHT, &settings);
+    let layers =
+        superposition::render_lit(&light.solution, light.moved(), camera, width, HEIGHT, &settings).1;
     composite::auto_exposure(&layers.sum(weights))
 }

@@ -12,19 +12,59 @@ use lumenscope_core::{
     superposition::{
         composite::{DirectQuality, Display},
         layers::Weights,
+        moved::MovedLight,
     },
     transport::LightTransportSolution,
 };
-use std::sync::Arc;
+use std::sync::{
+    Arc, OnceLock,
+    atomic::{AtomicBool, Ordering},
+};
 
 /// Frames in the running mean of a picture at rest.
 pub const FRAMES_AT_REST: u32 = 64;
+
+/// Light as it is shown, with the light on moved objects, which is made once for every frame of it.
+pub struct Lit {
+    /// The light, movable objects shining as the view wants them.
+    pub solution: Arc<LightTransportSolution>,
+    moved: OnceLock<MovedLight>,
+    asked: AtomicBool,
+}
+
+impl Lit {
+    /// Light whose moved objects nobody has looked at yet.
+    pub fn new(solution: Arc<LightTransportSolution>) -> Arc<Self> {
+        Arc::new(Self { solution, moved: OnceLock::new(), asked: AtomicBool::new(false) })
+    }
+
+    /// The light on moved objects; makes it where it is not there yet, so not for the window's own thread.
+    pub fn moved(&self) -> &MovedLight {
+        self.moved.get_or_init(|| MovedLight::new(&self.solution, true))
+    }
+
+    /// The light on moved objects if it is there; else it is made in the background and `ctx` then woken.
+    pub fn ready(self: &Arc<Self>, ctx: &egui::Context) -> Option<&MovedLight> {
+        let found = self.moved.get();
+        if found.is_none() && !self.asked.swap(true, Ordering::Relaxed) {
+            let (lit, ctx) = (self.clone(), ctx.clone());
+            let spawned = std::thread::Builder::new().name("moved light".into()).spawn(move || {
+                lit.moved();
+                ctx.request_repaint();
+            });
+            if spawned.is_err() {
+                return Some(self.moved());
+            }
+        }
+        found
+    }
+}
 
 /// A picture that is wanted.
 #[derive(Clone)]
 pub struct Request {
     /// The light.
-    pub solution: Arc<LightTransportSolution>,
+    pub light: Arc<Lit>,
     /// Where from.
     pub camera: Camera,
     /// Width and height, pixels.
@@ -46,8 +86,13 @@ pub struct Request {
 }
 
 /// Something shared, equal only to itself; holding it keeps its address from being used again.
-#[derive(Clone)]
 pub struct Same<T>(pub Option<Arc<T>>);
+
+impl<T> Clone for Same<T> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
 
 impl<T> PartialEq for Same<T> {
     fn eq(&self, other: &Self) -> bool {
@@ -62,7 +107,7 @@ impl<T> PartialEq for Same<T> {
 /// What a new frame depends on.
 #[derive(Clone, PartialEq)]
 pub struct RenderKey {
-    solution: Same<LightTransportSolution>,
+    light: Same<Lit>,
     camera: Camera,
     size: [u32; 2],
     direct: DirectQuality,
@@ -83,7 +128,7 @@ impl Request {
     /// What a new frame depends on.
     pub fn render_key(&self) -> RenderKey {
         RenderKey {
-            solution: Same(Some(self.solution.clone())),
+            light: Same(Some(self.light.clone())),
             camera: self.camera,
             size: self.size,
             direct: self.direct,

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     command::{Command, Dialog},
+    export::Export,
     session::View,
 };
 use egui::Ui;
@@ -155,14 +156,14 @@ fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) -> Vec<Command> {
              any viewer shows, and every bin",
         );
         if export.clicked() {
-            out.push(Command::Dialog(Dialog::ExportProbe));
+            out.push(Command::Dialog(Dialog::Export(Export::Spheres)));
         }
         let panorama = ui.button("Panorama…").on_hover_text(
             "Writes all that arrives here as a latitude–longitude EXR, cd/m²: what a volume from panoramas is made \
              of",
         );
         if panorama.clicked() {
-            out.push(Command::Dialog(Dialog::ExportPanorama));
+            out.push(Command::Dialog(Dialog::Export(Export::Panorama)));
         }
         if memory.turn != Turn::default()
             && ui.button("Align").on_hover_text("See the spheres from the viewport's side again").clicked()

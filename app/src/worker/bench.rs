@@ -1,10 +1,14 @@
 //! The thread behind the worker: takes what is wanted most and does it.
 
 use super::{
-    COPIES, ExportRequest, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared,
-    Slots, Source, VolumeSource,
+    COPIES, InspectRequest, Job, LIGHT, News, ProbeRequest, Rank, ReferenceRequest, Shared, Slots, Source,
+    VolumeSource,
 };
-use crate::{export, pipeline, placement::Placement};
+use crate::{
+    export::{self, ExportRequest},
+    pipeline,
+    placement::Placement,
+};
 use anyhow::Result;
 use lumenscope_core::{
     irradiance_volume::dynamic_object::DynamicObject,
@@ -29,7 +33,7 @@ enum Task {
     Measure(Placement),
     Inspect(Box<InspectRequest>),
     Export(Box<ExportRequest>),
-    Reference(Option<ReferenceRequest>),
+    Reference(Option<ReferenceRequest>, u64),
     MoreSamples,
     OtherVolume(VolumeSource),
     Dress,
@@ -42,7 +46,8 @@ pub(super) struct Bench {
     wake: Box<dyn Fn() + Send>,
     live: Option<LiveTransport>,
     solution: Option<Arc<LightTransportSolution>>,
-    reference: Option<pipeline::ReferenceWork>,
+    /// The reference in the making, and the number of its request.
+    reference: Option<(pipeline::ReferenceWork, u64)>,
     /// Nodes of the copies, and of which object of which scene.
     copied: Option<(usize, Arc<Mesh>, Arc<DynamicObject>)>,
     /// Whether the last task was light: then what is watched of it goes first.
@@ -77,7 +82,7 @@ impl Bench {
                         self.tell(News::Written(request.path));
                     }
                 }
-                Task::Reference(request) => self.begin_reference(request),
+                Task::Reference(request, number) => self.begin_reference(request, number),
                 Task::MoreSamples => self.more_samples(),
                 Task::OtherVolume(source) => self.other_volume(&source),
                 Task::Dress => self.dress(),
@@ -144,9 +149,9 @@ impl Bench {
         if self.solution.is_some()
             && let Some(request) = slots.reference.take()
         {
-            return Some(Task::Reference(request));
+            return Some(Task::Reference(request, slots.references));
         }
-        self.reference.as_ref().is_some_and(|r| !r.is_done()).then_some(Task::MoreSamples)
+        self.reference.as_ref().is_some_and(|r| !r.0.is_done()).then_some(Task::MoreSamples)
     }
 
     fn load(&mut self, source: Source) {
@@ -285,9 +290,11 @@ impl Bench {
         }
     }
 
-    fn begin_reference(&mut self, request: Option<ReferenceRequest>) {
+    fn begin_reference(&mut self, request: Option<ReferenceRequest>, number: u64) {
         self.reference = match (request, &self.solution) {
-            (Some(request), Some(solution)) => Some(pipeline::ReferenceWork::new(&solution.world, request)),
+            (Some(request), Some(solution)) => {
+                Some((pipeline::ReferenceWork::new(&solution.world, request), number))
+            }
             _ => None,
         };
     }
@@ -302,12 +309,12 @@ impl Bench {
     }
 
     fn more_samples(&mut self) {
-        let Some(mut work) = self.reference.take() else { return };
+        let Some((mut work, number)) = self.reference.take() else { return };
         let done = self.job("Path tracing the reference", Rank::Any, |_, progress| work.more(progress));
         if let Some(picture) = done {
-            self.tell(News::Reference(picture));
+            self.tell(News::Reference(picture, number));
         }
-        self.reference = Some(work);
+        self.reference = Some((work, number));
     }
 
     /// Runs a job with its progress on show; what goes wrong becomes news.

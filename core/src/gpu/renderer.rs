@@ -20,7 +20,7 @@ use crate::{
     inspection::InspectionScene,
     math::{false_colour::FalseColour, image::LinearImage},
     mirror::gpu::MirrorPasses,
-    superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers},
+    superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers, moved::MovedLight},
     transport::LightTransportSolution,
 };
 use glam::Vec3;
@@ -139,8 +139,22 @@ impl GpuRenderer {
         queue: &wgpu::Queue,
         solution: &LightTransportSolution,
     ) -> Result<(), GpuError> {
+        self.upload_lit(device, queue, solution, &MovedLight::new(solution, true))
+    }
+
+    /// [`upload`](Self::upload), with the light on moved objects, both its parts, made before.
+    ///
+    /// # Errors
+    /// [`GpuError::TooSmall`] where the scene does not fit the device; then nothing is shown.
+    pub fn upload_lit(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        solution: &LightTransportSolution,
+        moved: &MovedLight,
+    ) -> Result<(), GpuError> {
         self.accumulated = 0;
-        if self.scene.upload(device, queue, solution)? {
+        if self.scene.upload(device, queue, solution, moved)? {
             self.bind(device, queue);
         }
         Ok(())

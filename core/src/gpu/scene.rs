@@ -135,7 +135,8 @@ impl SceneTables {
         self.storage[Table::Triangles as usize].buffer()
     }
 
-    /// Takes over a solution; says whether buffers were made anew.
+    /// Takes over a solution and the light on its moved objects, both its parts; says whether buffers were
+    /// made anew.
     ///
     /// # Errors
     /// [`GpuError::TooSmall`] where a table does not fit the device, [`GpuError::TooDeep`] where the shaders
@@ -145,6 +146,7 @@ impl SceneTables {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         solution: &LightTransportSolution,
+        moved: &MovedLight,
     ) -> Result<bool, GpuError> {
         let last = self.last.take();
         let known = last.as_ref().filter(|last| same_structure(last, solution));
@@ -190,9 +192,8 @@ impl SceneTables {
         let (emitters, emitter_triangles) = tables::emitters(&world.emitters);
         write.table(Table::Emitters, &emitters)?;
         write.table(Table::EmitterTriangles, &emitter_triangles)?;
-        let moved = MovedLight::new(solution, true);
-        write.table(Table::Objects, &tables::objects(geometry, &moved))?;
-        write.table(Table::MovedLight, &tables::moved_light(&moved))?;
+        write.table(Table::Objects, &tables::objects(geometry, moved))?;
+        write.table(Table::MovedLight, &tables::moved_light(moved))?;
         if known.is_none_or(|last| last.radiosity.sides().as_ptr() != radiosity.sides().as_ptr()) {
             // Guests have no elements; before the first solution nothing has.
             let mut sides = radiosity.sides().to_vec();

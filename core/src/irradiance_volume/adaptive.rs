@@ -19,7 +19,7 @@ use super::{
     rays::Targets,
 };
 use crate::{
-    math::{colour::luminance, part::Part, progress::Progress},
+    math::{colour::luminance, part::Part, progress::Progress, relative::floor_of},
     scene::world::World,
 };
 use glam::UVec3;
@@ -84,7 +84,7 @@ pub fn cell_errors(
         .flatten()
         .flatten()
         .fold((0.0f64, 0u64), |(sum, count), e| (sum + f64::from(*e), count + 1));
-    let floor = (0.05 * sum / count.max(1) as f64) as f32;
+    let floor = floor_of(sum / count.max(1) as f64) as f32;
     let error = |c: u32| {
         let origin = 2 * UVec3::new(c % size.x, c / size.x % size.y, c / (size.x * size.y));
         let corner = |i: usize| {

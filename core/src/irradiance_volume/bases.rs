@@ -11,7 +11,10 @@ use super::{
 };
 use crate::{
     inspection::{InspectionScene, Legend},
-    math::{colour::luminance, frame::uniform_direction, part::Part, random::Rng, sphere_map::DirectionBins},
+    math::{
+        colour::luminance, frame::uniform_direction, part::Part, random::Rng, relative::floor_of,
+        sphere_map::DirectionBins,
+    },
     scene::world::World,
 };
 use glam::{DVec3, Vec3};
@@ -87,10 +90,9 @@ impl IrradianceVolume {
             })
             .collect();
         let mean = rows.iter().map(|r| f64::from(r[0])).sum::<f64>() / rows.len().max(1) as f64;
-        let floor = (0.05 * mean) as f32;
+        let floor = floor_of(mean) as f32;
         let error = |basis: Basis, column: usize| {
-            let mut errors: Vec<f32> =
-                rows.iter().map(|r| (r[column] - r[0]) / r[0].max(floor).max(f32::MIN_POSITIVE)).collect();
+            let mut errors: Vec<f32> = rows.iter().map(|r| (r[column] - r[0]) / r[0].max(floor)).collect();
             let signed = errors.iter().map(|e| f64::from(*e)).sum::<f64>() / errors.len().max(1) as f64;
             errors.iter_mut().for_each(|e| *e = e.abs());
             errors.sort_by(f32::total_cmp);
@@ -128,7 +130,7 @@ impl IrradianceVolume {
         let seen = transport.met.seen(world, light.radiosity(), &self.settings.ignored);
         let centres: Vec<Vec3> = (0..bins.len()).map(|b| bins.centre(b)).collect();
         let basis = self.settings.basis;
-        let mean = compared.first()?.mean_lx;
+        let floor = floor_of(f64::from(compared.first()?.mean_lx)) as f32;
         let mut scene = spheres(self, view, |s| {
             let mut radiance = vec![Vec3::ZERO; bins.len()];
             transport.met.reflected(s, &seen, &mut radiance);
@@ -136,7 +138,7 @@ impl IrradianceVolume {
                 let normal = shown.centre(bin);
                 let exact = luminance(self.exact_at(s, normal, &centres, &radiance, view.part));
                 let found = luminance(self.at_sample(s as u32, normal, view.part, basis));
-                Vec3::splat(100.0 * (found - exact).abs() / exact.max(0.05 * mean).max(f32::MIN_POSITIVE))
+                Vec3::splat(100.0 * (found - exact).abs() / exact.max(floor))
             };
             (0..shown.len()).map(error).collect()
         });

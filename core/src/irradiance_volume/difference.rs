@@ -5,7 +5,7 @@
 //! from that surface (Greger 1996, §5.4); that of a volume and one from the reference is its error.
 
 use super::IrradianceVolume;
-use crate::math::{colour::luminance, part::Part};
+use crate::math::{colour::luminance, part::Part, relative::floor_of};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -45,6 +45,17 @@ pub struct DifferenceStatistics {
     pub percentile_95_relative: f32,
 }
 
+/// A difference in numbers, with how often each size of it occurs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The numbers.
+    pub statistics: DifferenceStatistics,
+    /// 5 % of B's mean over the valid samples of A, lx: what errors are relative to at least.
+    pub floor_lx: f32,
+    /// Values of |A − B| / max(B, 5 % of its mean) in each step.
+    pub counts: Vec<u32>,
+}
+
 impl<'a> Difference<'a> {
     /// A − B.
     pub fn new(a: &'a IrradianceVolume, b: &'a IrradianceVolume, part: Part) -> Self {
@@ -77,21 +88,15 @@ impl<'a> Difference<'a> {
     }
 
     /// |A − B| / max(B, `floor`) at one of A's samples by luminance, one value a bin of A; `floor` in lx is
-    /// [`Self::floor_lx`].
+    /// [`Comparison::floor_lx`].
     ///
     /// # Panics
     /// If A has no such sample.
     pub fn relative_at_sample(&self, sample: usize, floor: f32) -> impl Iterator<Item = f32> + use<> {
         let a = self.a.sample_irradiance(sample, self.part);
-        a.into_iter().zip(self.b_at_sample(sample)).map(move |(a, b)| {
-            let (a, b) = (luminance(a), luminance(b));
-            (a - b).abs() / b.max(floor)
-        })
-    }
-
-    /// 5 % of B's mean over the valid samples of A, lx: what errors are relative to at least.
-    pub fn floor_lx(&self) -> f32 {
-        (0.05 * self.statistics().mean_b_lx).max(f32::MIN_POSITIVE)
+        a.into_iter()
+            .zip(self.b_at_sample(sample))
+            .map(move |(a, b)| relative(luminance(a), luminance(b), floor))
     }
 
     /// Whether both have the same samples and bins.
@@ -105,6 +110,12 @@ impl<'a> Difference<'a> {
 
     /// The difference in numbers; zeros where A has no valid sample.
     pub fn statistics(&self) -> DifferenceStatistics {
+        self.compare(1, 1.0).statistics
+    }
+
+    /// The difference in numbers, and how many values of |A − B| / max(B, 5 % of its mean) lie in each of
+    /// `steps` steps of `width`, the last one and everything beyond: the histogram of an error.
+    pub fn compare(&self, steps: usize, width: f32) -> Comparison {
         let bins = self.a.bins();
         // Sample, bin, A and B by luminance, in the order of samples and bins.
         let rows: Vec<(u32, u32, f32, f32)> = (0..self.a.samples().len())
@@ -124,11 +135,15 @@ impl<'a> Difference<'a> {
             rows.iter().map(|r| of(f64::from(r.2), f64::from(r.3))).sum::<f64>() / count
         };
         let mean_b = mean(&|_, b| b);
-        let floor = (0.05 * mean_b).max(f64::MIN_POSITIVE) as f32;
-        let mut relative: Vec<f32> = rows.iter().map(|r| (r.2 - r.3).abs() / r.3.max(floor)).collect();
-        relative.sort_unstable_by(f32::total_cmp);
+        let floor_lx = floor_of(mean_b) as f32;
+        let mut errors: Vec<f32> = rows.iter().map(|r| relative(r.2, r.3, floor_lx)).collect();
+        let mut counts = vec![0; steps.max(1)];
+        for error in &errors {
+            counts[((error / width) as usize).min(steps.max(1) - 1)] += 1;
+        }
+        errors.sort_unstable_by(f32::total_cmp);
         let quantile =
-            |share: f64| relative.get((relative.len() as f64 * share) as usize).copied().unwrap_or_default();
+            |share: f64| errors.get((errors.len() as f64 * share) as usize).copied().unwrap_or_default();
         let worst = rows.iter().fold(None, |worst: Option<&(u32, u32, f32, f32)>, r| match worst {
             Some(w) if (w.2 - w.3).abs() >= (r.2 - r.3).abs() => Some(w),
             _ => Some(r),
@@ -136,7 +151,7 @@ impl<'a> Difference<'a> {
         let (at, towards, largest) = worst.map_or((Vec3::ZERO, Vec3::Y, 0.0), |r| {
             (self.a.samples()[r.0 as usize].position, bins.centre(r.1 as usize), r.2 - r.3)
         });
-        DifferenceStatistics {
+        let statistics = DifferenceStatistics {
             mean_a_lx: mean(&|a, _| a) as f32,
             mean_b_lx: mean_b as f32,
             mean_lx: mean(&|a, b| a - b) as f32,
@@ -147,19 +162,11 @@ impl<'a> Difference<'a> {
             largest_towards: towards,
             median_relative: quantile(0.5),
             percentile_95_relative: quantile(0.95),
-        }
+        };
+        Comparison { statistics, floor_lx, counts }
     }
+}
 
-    /// How many values of |A − B| / max(B, 5 % of its mean) lie in each step of `width`, the last one and
-    /// everything beyond: the histogram of an error.
-    pub fn histogram(&self, steps: usize, width: f32) -> Vec<u32> {
-        let floor = self.floor_lx();
-        let mut counts = vec![0; steps.max(1)];
-        for s in (0..self.a.samples().len()).filter(|&s| self.a.samples()[s].valid) {
-            for error in self.relative_at_sample(s, floor) {
-                counts[((error / width) as usize).min(steps.max(1) - 1)] += 1;
-            }
-        }
-        counts
-    }
+fn relative(a: f32, b: f32, floor: f32) -> f32 {
+    (a - b).abs() / b.max(floor)
 }

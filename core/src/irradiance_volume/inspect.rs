@@ -7,7 +7,7 @@ use super::{
     grid::NONE,
     moments::Order,
     probe::{Probe, Quantity},
-    slice::{bulk, histogram, notes, signed_legend},
+    slice::{bulk, compared, histogram, notes, signed_legend},
     trust::{SampleState, seen},
 };
 use crate::{
@@ -160,8 +160,9 @@ pub fn difference_spheres(difference: &Difference, view: &VolumeView) -> Inspect
     let mut scene = spheres(difference.a, view, |i| difference.at_sample(i));
     let most = bulk(&scene.sphere_bins);
     scene.legend = Some(signed_legend("difference of irradiance", most));
-    scene.curves.push(histogram(difference));
-    scene.notes.extend(notes(difference));
+    let compared = compared(difference);
+    scene.curves.push(histogram(&compared));
+    scene.notes.extend(notes(&compared));
     scene
 }
 
@@ -172,18 +173,18 @@ fn error_spheres(
     against: Option<&IrradianceVolume>,
 ) -> InspectionScene {
     let difference = against.map(|b| Difference::new(volume, b, view.part));
-    let floor = difference.map_or(0.0, |d| d.floor_lx());
-    let mut scene = spheres(volume, view, |i| match &difference {
+    let compared = difference.as_ref().map(compared);
+    let mut scene = spheres(volume, view, |i| match difference.zip(compared.as_ref().map(|c| c.floor_lx)) {
         None => vec![Vec3::ZERO; volume.bins().len()],
-        Some(d) => d.relative_at_sample(i, floor).map(|e| Vec3::splat(100.0 * e)).collect(),
+        Some((d, floor)) => d.relative_at_sample(i, floor).map(|e| Vec3::splat(100.0 * e)).collect(),
     });
     let most = bulk(&scene.sphere_bins);
     scene.legend = Some(Legend { range: [0.0, most], ..legend_of(volume, view, &scene.sphere_bins) });
-    match &difference {
+    match &compared {
         None => scene.notes.push("no volume to compare with is chosen: keep or path-trace one".into()),
-        Some(d) => {
-            scene.curves.push(histogram(d));
-            scene.notes.extend(notes(d));
+        Some(c) => {
+            scene.curves.push(histogram(c));
+            scene.notes.extend(notes(c));
         }
     }
     scene

@@ -3,7 +3,11 @@
 //! A point of the plane has no normal of its own, so what is shown is either the irradiance of a surface
 //! that faces one direction, or the mean over all directions: ¼ ∫ L dω, the mean spherical illuminance.
 
-use super::{IrradianceVolume, difference::Difference, inspect::VolumeView};
+use super::{
+    IrradianceVolume,
+    difference::{Comparison, Difference},
+    inspect::VolumeView,
+};
 use crate::{
     inspection::{ColouredMesh, Curve, InspectionScene, Legend},
     math::{colour::luminance, part::Part},
@@ -64,11 +68,12 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
     let (fa, fb) = (MeanIrradiance::new(a, part), MeanIrradiance::new(b, part));
     let mesh = mesh(a, view, |p| fa.at(p) - fb.at(p));
     let most = bulk(&mesh.values);
+    let compared = compared(difference);
     InspectionScene {
         meshes: vec![mesh],
         legend: Some(signed_legend("difference of mean irradiance", most)),
-        curves: vec![histogram(difference)],
-        notes: notes(difference),
+        curves: vec![histogram(&compared)],
+        notes: notes(&compared),
         ..InspectionScene::default()
     }
 }
@@ -90,8 +95,8 @@ pub(super) fn signed_legend(quantity: &str, most: f32) -> Legend {
 }
 
 /// The difference in words.
-pub(super) fn notes(difference: &Difference) -> Vec<String> {
-    let s = difference.statistics();
+pub(super) fn notes(compared: &Comparison) -> Vec<String> {
+    let s = &compared.statistics;
     let at = s.largest_at_m;
     vec![
         format!("A {:.4} lx, B {:.4} lx in the mean over samples and directions", s.mean_a_lx, s.mean_b_lx),
@@ -108,16 +113,22 @@ pub(super) fn notes(difference: &Difference) -> Vec<String> {
     ]
 }
 
+/// Steps of the histogram, and how wide each is.
+const STEPS: (usize, f32) = (25, 0.02);
+
+/// A difference in numbers, as its views show them.
+pub(super) fn compared(difference: &Difference) -> Comparison {
+    difference.compare(STEPS.0, STEPS.1)
+}
+
 /// How often each size of |A − B| / max(B, 5 % of its mean) occurs over samples and bins, as steps of 2 %.
-pub(super) fn histogram(difference: &Difference) -> Curve {
-    const STEPS: usize = 25;
-    const WIDTH: f32 = 0.02;
-    let counts = difference.histogram(STEPS, WIDTH);
+pub(super) fn histogram(compared: &Comparison) -> Curve {
+    let counts = &compared.counts;
     let total = counts.iter().sum::<u32>().max(1) as f32;
     let points = counts
         .iter()
         .enumerate()
-        .map(|(i, count)| Vec2::new(100.0 * WIDTH * (i as f32 + 0.5), 100.0 * *count as f32 / total))
+        .map(|(i, count)| Vec2::new(100.0 * STEPS.1 * (i as f32 + 0.5), 100.0 * *count as f32 / total))
         .collect();
     Curve {
         name: "how far A is from B".into(),

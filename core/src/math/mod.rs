@@ -9,6 +9,7 @@ pub mod moment;
 pub mod part;
 pub mod progress;
 pub mod random;
+pub mod relative;
 pub mod sphere_map;
 pub mod sphere_values;
 pub mod spherical_harmonics;

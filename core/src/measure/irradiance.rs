@@ -1,11 +1,8 @@
 //! How far irradiances at a list of points are from their reference.
 
 use super::{MeasureError, check_values};
-use crate::math::colour::luminance;
+use crate::math::{colour::luminance, relative::floor_of};
 use glam::Vec3;
-
-/// Share of the mean below which a reference value no longer sets the scale of its error.
-pub const FLOOR_SHARE: f64 = 0.05;
 
 /// Relative errors over a list of points, as fractions.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -32,7 +29,7 @@ pub fn relative_errors(found: &[Vec3], reference: &[Vec3]) -> Result<ErrorStatis
     check_values(found, reference)?;
     let wanted: Vec<f64> = reference.iter().map(|v| f64::from(luminance(*v))).collect();
     let count = wanted.len();
-    let floor = (FLOOR_SHARE * wanted.iter().sum::<f64>() / count as f64).max(f64::MIN_POSITIVE);
+    let floor = floor_of(wanted.iter().sum::<f64>() / count as f64);
     let signed: Vec<f64> =
         found.iter().zip(&wanted).map(|(f, w)| (f64::from(luminance(*f)) - w) / w.max(floor)).collect();
     let mut order: Vec<usize> = (0..count).collect();

@@ -19,7 +19,7 @@ use super::{
     RadiositySolution,
     surface_map::{INTERPOLATED, OUTSIDE, SurfaceMap, UNSOLVED},
 };
-use crate::math::colour::luminance;
+use crate::math::{colour::luminance, relative::floor_of};
 use rayon::prelude::*;
 
 /// How grids are subdivided.
@@ -37,9 +37,6 @@ impl Default for Subdivision {
         Self { levels: 1, tolerance: 0.1 }
     }
 }
-
-/// Share of the mean irradiance below which a leaf's own no longer sets the scale.
-const FLOOR_SHARE: f32 = 0.05;
 
 /// Most times that a root can be split.
 pub const MOST_LEVELS: u8 = 4;
@@ -153,7 +150,8 @@ pub(super) fn asks<'a>(
         .iter()
         .zip(&light)
         .fold((0.0, 0.0), |(sum, area), (e, light)| (sum + e.area * light, area + e.area));
-    let (floor, tolerance) = (FLOOR_SHARE * sum / area.max(f32::MIN_POSITIVE), subdivision.tolerance);
+    let floor = floor_of(f64::from(sum / area.max(f32::MIN_POSITIVE))) as f32;
+    let tolerance = subdivision.tolerance;
     move |corners, side| {
         let mean = |values: &[f32]| corners.iter().map(|&c| values[c]).sum::<f32>() / corners.len() as f32;
         side * side * mean(&bends) > tolerance * mean(&light).max(floor)

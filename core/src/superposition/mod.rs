@@ -7,6 +7,7 @@
 
 pub mod accumulator;
 pub mod composite;
+pub mod frames;
 pub mod gbuffer;
 pub mod layers;
 pub mod moved;
@@ -16,4 +17,5 @@ pub mod pass;
 pub mod plan;
 pub mod streamed;
 
-pub use pass::{PassSettings, render};
+pub use frames::mean_of_frames;
+pub use pass::{PassSettings, render, render_lit};

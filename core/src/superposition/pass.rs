@@ -29,7 +29,7 @@ use crate::{
     transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
-use std::f32::consts::FRAC_1_PI;
+use std::{borrow::Cow, f32::consts::FRAC_1_PI};
 
 /// How one frame is rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,9 +72,25 @@ pub fn render(
     height: u32,
     settings: &PassSettings,
 ) -> (GBuffer, Layers) {
+    frame(&Shading::new(solution, settings), camera, width, height)
+}
+
+/// [`render`], with the light on moved objects made before: it is the same in every frame of a solution.
+pub fn render_lit(
+    solution: &LightTransportSolution,
+    moved: &MovedLight,
+    camera: &Camera,
+    width: u32,
+    height: u32,
+    settings: &PassSettings,
+) -> (GBuffer, Layers) {
+    frame(&Shading::lit(solution, moved, settings), camera, width, height)
+}
+
+fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffer, Layers) {
     use rayon::prelude::*;
+    let (solution, settings) = (shading.solution, &shading.settings);
     let buffer = GBuffer::new(&solution.world, camera, UVec2::new(width, height), settings.subpixel());
-    let shading = Shading::new(solution, settings);
     let mut shaded: Vec<[Vec3; COUNT]> = (0..buffer.triangle.len())
         .into_par_iter()
         .map(|pixel| match buffer.surface(&solution.world, camera, pixel) {
@@ -90,11 +106,11 @@ pub fn render(
         .collect();
     if shading.specular {
         let reflectors = Reflectors::new(&solution.world.geometry);
-        if let Some(image) = mirror_image(&shading, &reflectors, &buffer, camera, settings) {
+        if let Some(image) = mirror_image(shading, &reflectors, &buffer, camera, settings) {
             let lobes = lobes(&solution.world, &reflectors);
             let frame =
                 GlossyFrame::new(&solution.world, &reflectors, &lobes, &image, &buffer, camera, settings);
-            reflect(&frame, &shading, camera, &mut shaded);
+            reflect(&frame, shading, camera, &mut shaded);
         }
     }
     let mut layers = Layers::new(width, height);
@@ -135,7 +151,7 @@ pub struct Shading<'a> {
     pub solution: &'a LightTransportSolution,
     /// Whether anything in it has a specular lobe.
     pub specular: bool,
-    moved: MovedLight,
+    moved: Cow<'a, MovedLight>,
     settings: PassSettings,
 }
 
@@ -167,7 +183,14 @@ impl<'a> Shading<'a> {
     pub fn new(solution: &'a LightTransportSolution, settings: &PassSettings) -> Self {
         let specular = solution.world.geometry.is_specular();
         let stored_direct = settings.direct == DirectQuality::Elements || specular;
-        Self { solution, specular, moved: MovedLight::new(solution, stored_direct), settings: *settings }
+        let moved = Cow::Owned(MovedLight::new(solution, stored_direct));
+        Self { solution, specular, moved, settings: *settings }
+    }
+
+    /// Prepares a solution whose moved objects' light, both its parts, was made before.
+    pub fn lit(solution: &'a LightTransportSolution, moved: &'a MovedLight, settings: &PassSettings) -> Self {
+        let specular = solution.world.geometry.is_specular();
+        Self { solution, specular, moved: Cow::Borrowed(moved), settings: *settings }
     }
 
     /// Radiance of a surface towards `wo`.

@@ -6,10 +6,17 @@
 //!
 //! Limits, the thesis's: what is put in so casts no shadow, on the room or on itself, and sends no light.
 
-use super::gbuffer::GBuffer;
+use super::{
+    gbuffer::GBuffer,
+    layers::{Layer, Layers},
+};
 use crate::{
     irradiance_volume::IrradianceVolume,
-    math::{image::LinearImage, part::Part, random::hash2},
+    math::{
+        part::Part,
+        progress::{Cancelled, Progress},
+        random::hash2,
+    },
     scene::{
         accel::{Ray, barycentric},
         camera::Camera,
@@ -165,23 +172,44 @@ impl<'a> StreamedPicture<'a> {
         self.seen.iter().flatten().count()
     }
 
-    /// Puts the streamed geometry into a picture in cd/m², L = ρ E / π. Direct light by `shadow_rays` rays an
-    /// area emitter at each pixel, or, with 0, as the volume has it.
+    /// Puts the streamed geometry into the layers of a picture in cd/m², L = ρ E / π. Direct light by
+    /// `shadow_rays` rays an area emitter at each pixel, or, with 0, as the volume has it.
+    ///
+    /// # Errors
+    /// [`Cancelled`]; the layers are as they were.
     ///
     /// # Panics
-    /// If the picture has another size.
-    pub fn composite(&self, picture: &mut LinearImage, world: &World, shadow_rays: u32) {
-        assert_eq!(picture.pixels.len(), self.seen.len(), "the picture has another size");
-        picture.pixels.par_iter_mut().zip(&self.seen).enumerate().for_each(|(i, (out, seen))| {
-            let Some(seen) = seen else { return };
-            let direct = match shadow_rays {
+    /// If the layers have another size.
+    pub fn composite(
+        &self,
+        layers: &mut Layers,
+        world: &World,
+        shadow_rays: u32,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
+        assert_eq!(layers.images[0].pixels.len(), self.seen.len(), "the layers have another size");
+        let direct_of = |(i, seen): (usize, &Option<Seen>)| -> Result<Vec3, Cancelled> {
+            if progress.is_cancelled() {
+                return Err(Cancelled);
+            }
+            let Some(seen) = seen else { return Ok(Vec3::ZERO) };
+            Ok(match shadow_rays {
                 0 => seen.direct,
                 n => {
                     let receiver = Receiver::new(seen.position, seen.normal);
                     total_irradiance(world, &receiver, n, hash2(i as u32, n))
                 }
-            };
-            *out = self.reflectance * FRAC_1_PI * (direct + seen.indirect);
-        });
+            })
+        };
+        let direct: Vec<Vec3> =
+            self.seen.par_iter().enumerate().map(direct_of).collect::<Result<_, Cancelled>>()?;
+        let shown = self.seen.iter().zip(direct).enumerate();
+        for (i, (seen, direct)) in shown.filter_map(|(i, (s, d))| Some((i, (s.as_ref()?, d)))) {
+            layers.images.iter_mut().for_each(|image| image.pixels[i] = Vec3::ZERO);
+            let share = self.reflectance * FRAC_1_PI;
+            layers.images[Layer::Direct as usize].pixels[i] = share * direct;
+            layers.images[Layer::Indirect as usize].pixels[i] = share * seen.indirect;
+        }
+        Ok(())
     }
 }

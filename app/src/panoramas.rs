@@ -1,0 +1,41 @@
+//! Panoramas as files: one taken at a point, and lists of them that a volume is made of.
+
+use anyhow::{Context as _, Result};
+use glam::Vec3;
+use lumenscope_core::{
+    io::{exr, panorama as files},
+    irradiance_volume::panorama::PanoramaNode,
+    math::image::LinearImage,
+};
+use std::path::{Path, PathBuf};
+
+/// One line of the list of nodes.
+#[derive(serde::Deserialize)]
+struct NodeLine {
+    position: Vec3,
+    file: PathBuf,
+}
+
+/// Writes a panorama taken at a point, in m, as OpenEXR.
+///
+/// # Errors
+/// With the file's name, if it cannot be written.
+pub fn write(path: &Path, image: &LinearImage, at: Vec3) -> Result<()> {
+    let note = format!("latitude-longitude panorama at {at} m, radiance in cd/m2");
+    Ok(exr::write_layers(path, &[("", image)], &note)?)
+}
+
+/// Reads a list of nodes and the panoramas that it names, which lie beside it.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn read(list: &Path) -> Result<Vec<PanoramaNode>> {
+    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?;
+    let lines: Vec<NodeLine> =
+        ron::from_str(&text).with_context(|| format!("{}: not a list of nodes", list.display()))?;
+    let folder = list.parent().unwrap_or(Path::new(""));
+    lines
+        .into_iter()
+        .map(|l| Ok(PanoramaNode { position: l.position, image: files::read(&folder.join(l.file))? }))
+        .collect()
+}
