@@ -3,4 +3,5 @@
 mod brdf;
 mod glossy;
 mod planar;
+mod thrown;
 mod views;

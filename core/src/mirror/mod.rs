@@ -22,6 +22,7 @@ pub mod gpu;
 pub mod inspect;
 pub mod pass;
 pub mod reflectors;
+pub mod thrown;
 pub mod views;
 
 /// Mirrored views that one frame shows, at most: the largest first at each depth.

@@ -1,4 +1,5 @@
-//! Direct irradiance of the elements, one table an emitter, so that one lamp can change alone.
+//! Irradiance of the elements straight from the emitters and by way of polished surfaces, two tables an emitter,
+//! so that one lamp can change alone.
 //!
 //! Tables hold the light at dimmer 1; dimming is a factor. The light is averaged over points of the
 //! element's footprint, because it is its flux that is passed on: at one point, an element in front
@@ -8,6 +9,7 @@
 use super::gather::Transport;
 use super::{
     RadiosityError,
+    specular::{PLACES, first_of},
     surface_map::{FOOTPRINT, UNSOLVED},
 };
 use crate::{
@@ -15,19 +17,30 @@ use crate::{
         progress::{Cancelled, Progress},
         random::hash2,
     },
-    scene::{direct, emitters::Emitter, world::World},
+    scene::{
+        direct::{self, Receiver},
+        emitters::Emitter,
+        world::World,
+    },
 };
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Direct light of one emitter on every element.
+/// Light of one emitter on every element.
 #[derive(Clone, Debug)]
 pub(super) struct EmitterLight {
     placement: Affine3A,
     dimmer: f32,
     /// Irradiance at dimmer 1, lx; `None` when it was never needed.
-    at_full: Option<Arc<Vec<Vec3>>>,
+    at_full: Option<Arc<Tables>>,
+}
+
+#[derive(Debug)]
+struct Tables {
+    direct: Vec<Vec3>,
+    /// By way of specular lobes; empty where there are none.
+    passed_on: Vec<Vec3>,
 }
 
 impl EmitterLight {
@@ -44,25 +57,40 @@ impl EmitterLight {
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
         let (placement, dimmer) = state(world, emitter);
-        let at_full = if dimmer > 0.0 {
-            Some(Arc::new(irradiance(
-                world,
-                transport,
-                &at_full(world, emitter),
-                shadow_rays,
-                seed,
-                progress,
-            )?))
-        } else {
-            None
+        if dimmer <= 0.0 {
+            return Ok(Self { placement, dimmer, at_full: None });
+        }
+        let full = at_full(world, emitter);
+        let light = |receivers: &[(&Receiver, u32)], rays| {
+            direct::mean_irradiance(world, &full, receivers.iter().copied(), rays)
         };
-        let at_full = match (at_full, emitter) {
+        let mut tables = Tables {
+            direct: irradiance(transport, shadow_rays, seed, progress, |_, receivers, rays| {
+                light(receivers, rays)
+            })?,
+            passed_on: Vec::new(),
+        };
+        let lobes = &transport.lobes;
+        if lobes.any() {
+            let settled = usize::from(shadow_rays as usize >= FOOTPRINT);
+            let places: usize = transport.seen.iter().flatten().map(|s| s.places()).sum();
+            let stride = places.div_ceil(PLACES[settled]).max(1);
+            let seed32 = seed as u32 ^ (seed >> 32) as u32;
+            tables.passed_on =
+                irradiance(transport, shadow_rays, seed, progress, |element, receivers, rays| {
+                    let by_images = lobes.images.mean_irradiance(world, &full, receivers, rays);
+                    let Some(seen) = &transport.seen[element] else { return by_images };
+                    let first = first_of(stride, element, seed32);
+                    let scramble = hash2(element as u32, seed32 ^ 0x51EC);
+                    let by_lobes = lobes.irradiance(world, &full, seen, (first, stride), scramble);
+                    by_images + by_lobes / transport.rays.max(1) as f32
+                })?;
+        }
+        if matches!(emitter, Emitter::Area(area) if area.textured) {
             // A texture is read with the dimmer applied.
-            (Some(table), Emitter::Area(area)) if area.textured => {
-                Some(Arc::new(table.iter().map(|e| *e / dimmer).collect()))
-            }
-            (table, _) => table,
-        };
+            tables.direct.iter_mut().chain(&mut tables.passed_on).for_each(|e| *e /= dimmer);
+        }
+        let at_full = Some(Arc::new(tables));
         Ok(Self { placement, dimmer, at_full })
     }
 
@@ -95,10 +123,11 @@ impl EmitterLight {
             .unwrap_or_else(|_| self.clone())
     }
 
-    /// Adds this light to `sum`, lx.
-    pub fn add_to(&self, sum: &mut [Vec3]) {
-        if let Some(table) = &self.at_full {
-            for (sum, e) in sum.iter_mut().zip(table.iter()) {
+    /// Adds this light to what arrives directly and by way of lobes, lx.
+    pub fn add_to(&self, direct: &mut [Vec3], passed_on: &mut [Vec3]) {
+        let Some(tables) = &self.at_full else { return };
+        for (sums, table) in [(direct, &tables.direct), (passed_on, &tables.passed_on)] {
+            for (sum, e) in sums.iter_mut().zip(table) {
                 *sum += *e * self.dimmer;
             }
         }
@@ -106,7 +135,7 @@ impl EmitterLight {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.at_full.as_ref().map_or(0, |t| size_of_val(&t[..]))
+        self.at_full.as_ref().map_or(0, |t| size_of_val(&t.direct[..]) + size_of_val(&t.passed_on[..]))
     }
 }
 
@@ -135,13 +164,13 @@ fn at_full(world: &World, emitter: &Emitter) -> Emitter {
     emitter
 }
 
+/// One value an element: what `light` makes of its number, points of its footprint and rays a point.
 fn irradiance(
-    world: &World,
     transport: &Transport,
-    emitter: &Emitter,
     shadow_rays: u32,
     seed: u64,
     progress: &Progress,
+    light: impl Fn(usize, &[(&Receiver, u32)], u32) -> Vec3 + Sync,
 ) -> Result<Vec<Vec3>, Cancelled> {
     const BLOCK: usize = 4096;
     let seed = seed as u32 ^ (seed >> 32) as u32;
@@ -153,15 +182,16 @@ fn irradiance(
             if element.flags & UNSOLVED != 0 {
                 return Vec3::ZERO;
             }
-            let footprint = transport.map.footprint(block * BLOCK + i);
+            let number = block * BLOCK + i;
+            let footprint = transport.map.footprint(number);
             // Fewer rays than points, as while something moves: only as many points, evenly chosen.
             let points = FOOTPRINT.min(shadow_rays.max(1) as usize);
             let rays = shadow_rays.div_ceil(points as u32);
-            let receivers = (0..points).map(|point| {
-                let k = point * FOOTPRINT / points;
-                (&footprint[k], hash2(((block * BLOCK + i) * FOOTPRINT + k) as u32, seed))
+            let receivers: [(&Receiver, u32); FOOTPRINT] = std::array::from_fn(|point| {
+                let k = point * FOOTPRINT / points % FOOTPRINT;
+                (&footprint[k], hash2((number * FOOTPRINT + k) as u32, seed))
             });
-            direct::mean_irradiance(world, emitter, receivers, rays)
+            light(number, &receivers[..points], rays)
         }));
     }
     Ok(table)

@@ -10,9 +10,12 @@
 //! probability, so the mean is that of the interpolated radiosity. Neighbouring nodes of a grid use
 //! consecutive stretches of one R₂ sequence: between them the interpolated value has the error of
 //! many more directions than each has. Neither is true of independently scrambled nodes.
+//!
+//! A ray that meets something polished goes on, see [`super::specular`].
 
 use super::{
     RadiosityError,
+    specular::{Lobes, Seen},
     subdivide::Between,
     surface_map::{Chart, Element, SurfaceMap, UNSOLVED},
 };
@@ -20,9 +23,13 @@ use crate::{
     math::{
         frame::{cosine_direction, frame_from_normal},
         progress::Progress,
-        random::{hash2, r2_point, unit_f32},
+        random::{Rng, hash2, r2_point, unit_f32},
     },
-    scene::{accel::Ray, direct::Receiver, world::World},
+    scene::{
+        accel::{Hit, Ray},
+        direct::Receiver,
+        world::World,
+    },
 };
 use glam::{Mat3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -38,6 +45,10 @@ pub struct Transport {
     pub rays: u32,
     /// Largest row sum of transport times reflectance, per channel: how much a sweep can amplify.
     pub norm: Vec3,
+    /// What rays are followed by.
+    pub(super) lobes: Lobes,
+    /// What each element sees by way of lobes; empty where nothing is specular.
+    pub(super) seen: Vec<Option<Box<Seen>>>,
     /// Elements without light of their own and the solved neighbours they take it from, in order.
     fills: Vec<Fill>,
 }
@@ -59,6 +70,8 @@ pub(super) struct Gathering {
     seed: u64,
     /// Grid nodes and vertex elements as they were hit, solved or not.
     hits: Vec<u32>,
+    lobes: Lobes,
+    seen: Vec<Option<Box<Seen>>>,
     /// Elements whose rays are cast.
     done: Vec<bool>,
     buried: Vec<bool>,
@@ -83,8 +96,13 @@ impl Gathering {
             hits: vec![count as u32; count * rays as usize],
             done: vec![false; count],
             buried: vec![false; count],
+            lobes: Lobes::new(world),
+            seen: Vec::new(),
             map,
         };
+        if gathering.lobes.any() {
+            gathering.seen.resize_with(count, || None);
+        }
         progress.begin("gathering light paths");
         gathering.cast(world, progress)?;
         Ok(gathering)
@@ -96,19 +114,34 @@ impl Gathering {
         const RAYS_A_BLOCK: usize = 1 << 18;
         let (rays, count) = (self.rays as usize, self.map.elements.len());
         let block = (RAYS_A_BLOCK / rays).clamp(16, 1024);
-        let (map, seed) = (&self.map, self.seed);
+        let (map, seed, lobes) = (&self.map, self.seed, &self.lobes);
         for first in (0..count).step_by(block) {
             progress.report(first as f32 / count as f32)?;
             let range = first..(first + block).min(count);
             let rows = self.hits[first * rays..range.end * rays].par_chunks_mut(rays);
-            let states = self.buried[range.clone()].par_iter_mut().zip(&mut self.done[range]);
-            rows.zip(states).enumerate().for_each(|(i, (row, (buried, done)))| {
+            let states = self.buried[range.clone()].par_iter_mut().zip(&mut self.done[range.clone()]);
+            let cast = |i: usize, row: &mut [u32], (buried, done): (&mut bool, &mut bool)| {
                 let element = first + i;
+                let mut seen = Seen::default();
                 if map.elements[element].flags & UNSOLVED == 0 && !*done {
-                    *buried = gather_row(world, map, element as u32, seed, row);
+                    *buried = gather_row(world, map, lobes, element as u32, seed, (row, &mut seen));
                     *done = true;
                 }
-            });
+                seen
+            };
+            if lobes.any() {
+                let all = rows.zip(states).zip(&mut self.seen[range]).enumerate();
+                all.for_each(|(i, ((row, states), known))| {
+                    let seen = cast(i, row, states);
+                    if seen.bytes() > 0 {
+                        *known = Some(Box::new(seen));
+                    }
+                });
+            } else {
+                rows.zip(states).enumerate().for_each(|(i, (row, states))| {
+                    cast(i, row, states);
+                });
+            }
         }
         Ok(())
     }
@@ -138,15 +171,15 @@ impl Gathering {
 
     /// The transport of what was chosen.
     pub fn transport(self, world: &World) -> Transport {
-        let Self { mut map, mut hits, rays, buried, .. } = self;
+        let Self { mut map, mut hits, rays, buried, lobes, mut seen, .. } = self;
         mark_rims(&mut map, &buried);
         let between = map.between();
         if !between.is_empty() {
             map.weigh(&world.geometry, &between);
         }
         let fills = fills(&map, between);
-        redirect(&mut map, &mut hits, &fills);
-        let mut transport = Transport { map, hits, rays, norm: Vec3::ZERO, fills };
+        redirect(&mut map, &mut hits, &mut seen, &fills);
+        let mut transport = Transport { map, hits, rays, norm: Vec3::ZERO, lobes, seen, fills };
         let reflectance: Vec<Vec3> = transport.map.elements.iter().map(|e| e.reflectance).collect();
         transport.norm = transport.gather(&reflectance).into_iter().fold(Vec3::ZERO, Vec3::max);
         transport
@@ -181,8 +214,16 @@ impl Transport {
         self.hits
             .par_chunks(self.rays.max(1) as usize)
             .with_min_len(64)
-            .map(|row| {
-                Vec3::from(row.iter().fold(Vec3A::ZERO, |sum, &hit| sum + padded[hit as usize]) * scale)
+            .enumerate()
+            .map(|(element, row)| {
+                let mut sum = row.iter().fold(Vec3A::ZERO, |sum, &hit| sum + padded[hit as usize]);
+                if let Some(Some(seen)) = self.seen.get(element) {
+                    let by_lobes = seen.elements.iter();
+                    sum += by_lobes
+                        .map(|&(hit, share)| padded[hit as usize] * Vec3A::from(share))
+                        .sum::<Vec3A>();
+                }
+                Vec3::from(sum * scale)
             })
             .collect()
     }
@@ -204,14 +245,22 @@ impl Transport {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 8 * f.sources.len()).sum();
-        self.map.bytes() + 4 * self.hits.len() + fills
+        let seen: usize = self.seen.iter().map(|s| 8 + s.as_ref().map_or(0, |s| s.bytes())).sum();
+        self.map.bytes() + 4 * self.hits.len() + fills + seen
     }
 }
 
-/// Hits of one element, and whether it is buried: most rays meet a black back close by, as inside a
+/// Hits of one element, what it sees by way of lobes, and whether it is buried: most rays meet a black back close by, as inside a
 /// solid, or nearly all meet something at once, as under a rug or behind a skirting board. In a
 /// corner of three walls three quarters do.
-fn gather_row(world: &World, map: &SurfaceMap, number: u32, seed: u64, row: &mut [u32]) -> bool {
+fn gather_row(
+    world: &World,
+    map: &SurfaceMap,
+    lobes: &Lobes,
+    number: u32,
+    seed: u64,
+    (row, seen): (&mut [u32], &mut Seen),
+) -> bool {
     const NEAR_SPACINGS: f32 = 4.0;
     const AT_ONCE_SPACINGS: f32 = 0.25;
     let element = &map.elements[number as usize];
@@ -225,6 +274,11 @@ fn gather_row(world: &World, map: &SurfaceMap, number: u32, seed: u64, row: &mut
     }];
     let from = if element.chart == u32::MAX { map.footprint(number as usize) } else { &node[..] };
     let frames: Vec<(Mat3, Vec3)> = from.iter().map(|f| (frame_from_normal(f.normal), f.origin())).collect();
+    let draw = |hit: &Hit, direction: Vec3, xi: f32| {
+        let back = world.geometry.area_normal(hit.triangle).dot(direction) > 0.0;
+        let drawn = map.blend(hit.triangle, hit.barycentric, back).draw(xi);
+        (drawn != super::lookup::NO_ELEMENTS).then_some(drawn)
+    };
     let (mut near_backs, mut at_once) = (0, 0);
     for (j, hit) in row.iter_mut().enumerate() {
         let local = cosine_direction(r2_point(first.wrapping_add(j as u32), scramble));
@@ -238,14 +292,14 @@ fn gather_row(world: &World, map: &SurfaceMap, number: u32, seed: u64, row: &mut
         }
         let Some(found) = world.accel.trace(&Ray::new(origin, direction)) else { continue };
         at_once += usize::from(found.t < AT_ONCE_SPACINGS * map.spacing_m);
-        let back = world.geometry.area_normal(found.triangle).dot(direction) > 0.0;
-        let blend = map.blend(found.triangle, found.barycentric, back);
         let xi = unit_f32(hash2(hash2(number, seed), j as u32));
-        let drawn = blend.draw(xi);
-        if drawn == super::lookup::NO_ELEMENTS {
-            near_backs += u32::from(found.t < NEAR_SPACINGS * map.spacing_m);
-        } else {
-            *hit = drawn;
+        match draw(&found, direction, xi) {
+            Some(drawn) => *hit = drawn,
+            None => near_backs += u32::from(found.t < NEAR_SPACINGS * map.spacing_m),
+        }
+        if lobes.any() && world.geometry.material_of(found.triangle).is_specular() {
+            let mut rng = Rng::new(u64::from(seed), u64::from(number) << 32 | j as u64);
+            lobes.follow(world, (found, direction), &mut rng, draw, seen);
         }
     }
     2 * near_backs > row.len() as u32 || 100 * at_once > 85 * row.len()
@@ -330,7 +384,7 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
 
 /// Hits on unsolved elements go to a solved one that lends it light, drawn with its weight; areas are
 /// divided by the weights.
-fn redirect(map: &mut SurfaceMap, hits: &mut [u32], fills: &[Fill]) {
+fn redirect(map: &mut SurfaceMap, hits: &mut [u32], seen: &mut [Option<Box<Seen>>], fills: &[Fill]) {
     if fills.is_empty() {
         return;
     }
@@ -344,10 +398,10 @@ fn redirect(map: &mut SurfaceMap, hits: &mut [u32], fills: &[Fill]) {
             map.elements[*source as usize].area += area * weight;
         }
     }
-    hits.par_iter_mut().enumerate().with_min_len(4096).for_each(|(place, hit)| {
+    let lend = |hit: &mut u32, place: u32| {
         let mut step = 0;
         while let Some(fill) = fills.get(fill_of[*hit as usize] as usize) {
-            let mut xi = unit_f32(hash2(place as u32, step));
+            let mut xi = unit_f32(hash2(place, step));
             let mut drawn = fill.sources[0];
             for (source, weight) in fill.sources.iter().zip(&fill.weights) {
                 drawn = *source;
@@ -358,6 +412,12 @@ fn redirect(map: &mut SurfaceMap, hits: &mut [u32], fills: &[Fill]) {
             }
             *hit = drawn;
             step += 1;
+        }
+    };
+    hits.par_iter_mut().enumerate().with_min_len(4096).for_each(|(place, hit)| lend(hit, place as u32));
+    seen.par_iter_mut().enumerate().for_each(|(element, seen)| {
+        for (i, (hit, _)) in seen.iter_mut().flat_map(|s| &mut s.elements).enumerate() {
+            lend(hit, hash2(element as u32, i as u32));
         }
     });
 }

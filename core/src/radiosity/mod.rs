@@ -8,8 +8,8 @@
 //! The picture takes *direct* light exactly at each point and only *indirect* light from elements,
 //! because shadows and lamps' falloff are sharper than any element while interreflection is not.
 //! Limits: indirect light varies no faster than the element spacing (contact shadows of bounced
-//! light are lost), surfaces are Lambertian, and the cached transport holds for where the objects
-//! stood when it was gathered.
+//! light are lost), it is kept for the Lambertian part of surfaces alone (what lobes pass on to those is
+//! [`specular`]), and the cached transport holds for where the objects stood when it was gathered.
 
 pub mod atlas;
 mod charts;
@@ -23,6 +23,7 @@ pub mod lightmap;
 pub mod lookup;
 pub mod smooth;
 pub mod solve;
+mod specular;
 pub mod subdivide;
 pub mod surface_map;
 pub mod texture;
@@ -141,7 +142,8 @@ pub struct EnergyBalance {
     pub direct_flux: f64,
     /// Flux that arrives after bounces, lm.
     pub indirect_flux: f64,
-    /// Flux absorbed by the surfaces, lm; in a closed scene equal to `direct_flux` up to sampling noise.
+    /// Flux absorbed by the surfaces, lm; in a closed scene equal to `direct_flux` up to sampling noise. What a
+    /// specular lobe passes on counts as absorbed by it and again where it arrives.
     pub absorbed_flux: f64,
 }
 
@@ -152,6 +154,8 @@ pub struct RadiositySolution {
     pub direct: Vec<Vec3>,
     /// Indirect irradiance of each element, lx per channel.
     pub indirect: Vec<Vec3>,
+    /// Of it, what came from an emitter by way of specular lobes alone.
+    passed_on: Vec<Vec3>,
     /// The same as gathered, where the next sweeps start.
     gathered: Vec<Vec3>,
     radiosity: Vec<Vec3>,
@@ -257,22 +261,33 @@ impl RadiositySolution {
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
         let mut direct = vec![Vec3::ZERO; transport.map.elements.len()];
-        for light in &lights {
-            light.add_to(&mut direct);
-        }
+        let mut passed_on = direct.clone();
+        lights.iter().for_each(|light| light.add_to(&mut direct, &mut passed_on));
+        let light = solve::Light { direct: &direct, passed_on: &passed_on };
         let (mut gathered, convergence) =
-            solve::indirect(&transport, &direct, start, settings.tolerance, max_sweeps, progress)?;
+            solve::indirect(&transport, light, start, settings.tolerance, max_sweeps, progress)?;
         transport.fill(&mut direct);
         transport.fill(&mut gathered);
         let reflected = |indirect: &[Vec3]| reflected(&transport.map.elements, &direct, indirect);
         let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
         if settings.smoothing > 0.0 {
-            let variances = smooth::variances(&transport, &radiosity, &gathered);
+            let by_rays: Vec<Vec3> = gathered.iter().zip(&passed_on).map(|(g, p)| *g - *p).collect();
+            let variances = smooth::variances(&transport, &radiosity, &by_rays);
             indirect = smooth::smooth(&transport, &gathered, &variances, settings.smoothing);
             transport.fill(&mut indirect);
             radiosity = reflected(&indirect);
         }
-        Ok(Self { direct, indirect, gathered, radiosity, transport, lights, settings, convergence })
+        Ok(Self {
+            direct,
+            passed_on,
+            indirect,
+            gathered,
+            radiosity,
+            transport,
+            lights,
+            settings,
+            convergence,
+        })
     }
 
     /// Irradiance at barycentric weights of a triangle, on its front or back, lx per channel.
@@ -337,6 +352,7 @@ impl RadiositySolution {
     /// How much one more sweep would change what each element gathered, lx per channel.
     pub fn residual(&self) -> Vec<Vec3> {
         let mut again = self.transport.gather(&reflected(self.elements(), &self.direct, &self.gathered));
+        again.iter_mut().zip(&self.passed_on).for_each(|(a, p)| *a += *p);
         self.transport.fill(&mut again);
         again.iter().zip(&self.gathered).map(|(a, g)| (*a - *g).abs()).collect()
     }
@@ -384,7 +400,7 @@ impl RadiositySolution {
 
     /// Bytes held, the shared transport included.
     pub fn bytes(&self) -> usize {
-        let tables = size_of_val(&self.direct[..]) * 4;
+        let tables = size_of_val(&self.direct[..]) * 5;
         self.transport.bytes() + tables + self.lights.iter().map(EmitterLight::bytes).sum::<usize>()
     }
 }

@@ -1,7 +1,8 @@
 //! Sweeps: from direct light and cached transport to all the light.
 //!
 //! The unknown is the indirect irradiance x of every element, the fixed point of
-//! `x = T ρ (D + x)` with T the cached transport, ρ the reflectances and D the direct irradiance
+//! `x = S + T ρ (D + x)` with T the cached transport, ρ the reflectances, D the direct irradiance and S what
+//! arrives from emitters by way of specular lobes alone
 //! (the dissertation's Eq. 5.2 times π, gathered). Plain (Jacobi) sweeps gain only a factor ρ each:
 //! at ρ = 0.999 that is thousands. Each sweep therefore feeds Anderson's mixing (Walker and Ni 2011):
 //! the next x is the combination of the last sweeps with the smallest residual, per channel, which on
@@ -35,13 +36,22 @@ pub struct Convergence {
     pub converged: bool,
 }
 
+/// What arrives from emitters at each element without a diffuse bounce, lx per channel.
+#[derive(Clone, Copy)]
+pub(super) struct Light<'a> {
+    /// Straight.
+    pub direct: &'a [Vec3],
+    /// By way of specular lobes.
+    pub passed_on: &'a [Vec3],
+}
+
 /// Indirect irradiance from direct, starting at `start`; see the module's text.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn indirect(
     transport: &Transport,
-    direct: &[Vec3],
+    Light { direct, passed_on }: Light,
     start: &[Vec3],
     tolerance: f32,
     max_sweeps: u32,
@@ -60,7 +70,8 @@ pub(super) fn indirect(
             .zip(direct.par_iter().zip(&x))
             .map(|(e, (d, x))| e.reflectance * (*d + *x))
             .collect();
-        let g = transport.gather(&radiosity);
+        let mut g = transport.gather(&radiosity);
+        g.par_iter_mut().zip(passed_on).for_each(|(g, p)| *g += *p);
         let f: Vec<Vec3> = g.par_iter().zip(&x).map(|(g, x)| *g - *x).collect();
         convergence.sweeps += 1;
         let mean = weighted_sum(&weights, |i| direct[i].as_dvec3() + g[i].as_dvec3().abs());

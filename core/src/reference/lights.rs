@@ -1,17 +1,17 @@
 //! Next-event estimation: one sample of the light that comes straight from the emitters.
 //!
-//! Points are drawn uniformly over an emitter's area. Not the ratio estimator of
+//! Points are drawn as [`crate::scene::light_sample`] says. Not the ratio estimator of
 //! [`crate::scene::direct`]: that one is quieter but only consistent, and the reference has to be
 //! unbiased at any number of samples.
 
 use crate::{
     math::colour::luminance,
     scene::{
-        accel::Ray,
         direct::{self, Receiver},
         emitters::{AreaEmitter, Emitter},
-        geometry::{Surface, offset_origin},
+        geometry::Surface,
         lamp::LampKind,
+        light_sample::{AreaPoint, LightSample},
         world::World,
     },
 };
@@ -46,19 +46,6 @@ struct Choice {
     emitter: usize,
     probability: f32,
     cumulative: f32,
-}
-
-/// One point of an emitter as seen from a receiver, not yet asked whether anything is between.
-#[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Direction towards it.
-    pub wi: Vec3,
-    /// Its radiance over the density, cd/m² sr; of a lamp, intensity over squared distance and probability, lx.
-    pub radiance_over_density: Vec3,
-    /// Density per solid angle with which the direction was proposed; `None` for a lamp without a surface.
-    pub density: Option<f32>,
-    /// Ray that is free if it is seen.
-    pub ray: Ray,
 }
 
 impl LightSampler {
@@ -150,7 +137,13 @@ impl LightSampler {
     ) -> [Vec3; 2] {
         let mut sum = [Vec3::ZERO; 2];
         let mut add = |n: usize, probability: f32, u: Vec2| {
-            if let Some(sample) = proposed(world, self.choices[n].emitter, receiver, probability, u) {
+            if let Some(sample) = LightSample::new(
+                world,
+                &world.emitters.list[self.choices[n].emitter],
+                receiver,
+                probability,
+                u,
+            ) {
                 let [a, b] = take(&sample);
                 sum = [sum[0] + a, sum[1] + b];
             }
@@ -221,84 +214,4 @@ fn area_contribution(
         return Vec3::ZERO;
     }
     if world.accel.occluded(&seen.ray) { Vec3::ZERO } else { e }
-}
-
-/// A point of an area emitter that faces a receiver.
-struct AreaPoint {
-    wi: Vec3,
-    radiance: Vec3,
-    /// Per solid angle.
-    density: f32,
-    ray: Ray,
-}
-
-impl AreaPoint {
-    fn new(
-        world: &World,
-        area: &AreaEmitter,
-        receiver: &Receiver,
-        probability: f32,
-        u: Vec2,
-    ) -> Option<Self> {
-        let point = area.point(&world.geometry, u);
-        let to_light = point.position - receiver.position;
-        let d2 = to_light.length_squared();
-        let wi = to_light / d2.sqrt();
-        let facing = -point.normal.dot(wi);
-        let cosine_light = if area.double_sided { facing.abs() } else { facing };
-        if !(d2 > 0.0 && cosine_light > 0.0) || receiver.geometric_normal.dot(wi) <= 0.0 {
-            return None;
-        }
-        let target = offset_origin(point.position, point.normal * facing.signum());
-        Some(Self {
-            wi,
-            radiance: point.radiance,
-            density: probability * d2 / (area.area() * cosine_light),
-            ray: Ray::between(receiver.origin(), target),
-        })
-    }
-}
-
-/// One point of an emitter chosen with `probability`; `None` where it sends nothing to the receiver.
-fn proposed(
-    world: &World,
-    emitter: usize,
-    receiver: &Receiver,
-    probability: f32,
-    u: Vec2,
-) -> Option<LightSample> {
-    match &world.emitters.list[emitter] {
-        Emitter::Area(area) => {
-            let seen = AreaPoint::new(world, area, receiver, probability, u)?;
-            let radiance_over_density = seen.radiance / seen.density;
-            let lit = radiance_over_density != Vec3::ZERO && radiance_over_density.is_finite();
-            lit.then_some(LightSample {
-                wi: seen.wi,
-                radiance_over_density,
-                density: Some(seen.density),
-                ray: seen.ray,
-            })
-        }
-        Emitter::Lamp { lamp, .. } => {
-            let sun = -lamp.axis();
-            let (wi, light, ray) = match lamp.kind {
-                LampKind::Directional { illuminance } => {
-                    (sun, illuminance * lamp.dimmer, Ray::new(receiver.origin(), sun))
-                }
-                _ => {
-                    let to_lamp = lamp.position() - receiver.position;
-                    let wi = to_lamp.normalize_or_zero();
-                    let light = lamp.intensity_towards(-wi) / to_lamp.length_squared();
-                    (wi, light, Ray::between(receiver.origin(), lamp.position()))
-                }
-            };
-            let light = light / probability;
-            (light != Vec3::ZERO && light.is_finite()).then_some(LightSample {
-                wi,
-                radiance_over_density: light,
-                density: None,
-                ray,
-            })
-        }
-    }
 }

@@ -17,7 +17,8 @@ use crate::{
         part::Part,
         random::Rng,
     },
-    scene::{accel::Ray, direct::Receiver, geometry::Surface, world::World},
+    mirror::thrown::Images,
+    scene::{accel::Ray, direct::Receiver, emitters::Emitter, geometry::Surface, world::World},
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -55,6 +56,8 @@ pub struct PathTracer<'a> {
     lights: LightSampler,
     /// Whether anything in it has a specular lobe.
     specular: bool,
+    /// Its flat ideal mirrors: a lamp without a surface is found in them by no ray.
+    images: Images,
     terms: Automaton,
 }
 
@@ -103,6 +106,7 @@ impl<'a> PathTracer<'a> {
             world: WorldRef(world),
             lights: LightSampler::new(world),
             specular: world.geometry.is_specular(),
+            images: Images::new(&world.geometry),
             terms: Automaton::terms(),
         }
     }
@@ -136,6 +140,18 @@ impl<'a> PathTracer<'a> {
     pub fn surface(&self, ray: &Ray) -> Option<Surface> {
         let hit = self.world().accel.trace(ray)?;
         Some(self.world().geometry.surface(hit.triangle, hit.barycentric, ray.direction))
+    }
+
+    /// What lamps without a surface send to a receiver by way of one mirror: direction, and illuminance across it.
+    pub(super) fn lamps_in_mirrors<'b>(
+        &'b self,
+        receiver: &'b Receiver,
+    ) -> impl Iterator<Item = (Vec3, Vec3)> + 'b {
+        let lamps = self.world().emitters.list.iter().filter_map(|emitter| match emitter {
+            Emitter::Lamp { lamp, .. } => Some(lamp),
+            Emitter::Area(_) => None,
+        });
+        lamps.flat_map(|lamp| self.images.of_lamp(self.world(), lamp, receiver))
     }
 
     /// One sample of the radiance that arrives along a ray, all random numbers from `rng`.
@@ -187,6 +203,10 @@ impl<'a> PathTracer<'a> {
             let pick = rng.next_f32();
             out.direct = self.lights.sample(world, receiver, selection, pick, &mut first.light);
         }
+        if part != Part::Direct {
+            let e = |(wi, light): (Vec3, Vec3)| light * receiver.normal.dot(wi).max(0.0);
+            out.indirect = self.lamps_in_mirrors(receiver).map(e).sum();
+        }
         let Some((emission, wi, mut next)) = self.follow(receiver, first.direction, selection) else {
             return out;
         };
@@ -198,7 +218,7 @@ impl<'a> PathTracer<'a> {
         }
         if self.specular {
             let found = self.reflected(&next, -wi, Selection::One, &self.terms, rng);
-            out.indirect = found.total() * PI;
+            out.indirect += found.total() * PI;
             out.vertices += found.vertices;
             return out;
         }

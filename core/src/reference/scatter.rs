@@ -6,17 +6,18 @@
 //! throughput a state of an [`Automaton`], so that both parts of a surface go on along one direction and
 //! are still told apart.
 //!
-//! Limit: a point or directional lamp has no surface that a mirror's ray could hit. What mirrors throw of
-//! it (caustics), and its image in them, is missing here as everywhere in the program.
+//! Limit: a point or directional lamp has no surface that a ray could hit. What one flat mirror throws of it is
+//! added at each vertex ([`crate::mirror::thrown`]); by way of two, or of a curved one, it is missing here as
+//! everywhere in the program, and so is its image.
 
 use super::{
     expression::{Automaton, Expression, MOST_STATES},
-    lights::{LightSample, Selection},
+    lights::Selection,
     path::{MAX_BOUNCES, PathTracer, SURE_BOUNCES, receiver_of},
 };
 use crate::{
     math::random::Rng,
-    scene::{accel::Ray, brdf::Brdf, geometry::Surface},
+    scene::{accel::Ray, brdf::Brdf, geometry::Surface, light_sample::LightSample},
 };
 use glam::{Vec2, Vec3};
 
@@ -102,6 +103,11 @@ impl PathTracer<'_> {
             let sampled =
                 self.lights().sum(self.world(), &vertex, selection, pick, |_| lights.next_vec2(), arrive);
             carried.after(sampled).add(Vec3::ONE, &mut out);
+            for (wi, light) in self.lamps_in_mirrors(&vertex) {
+                let cosine = surface.normal.dot(wi).max(0.0);
+                let here = carried.after(brdf.value(surface.normal, wi, wo).map(|f| f * cosine));
+                here.after([Vec3::ZERO, Vec3::ONE]).add(light, &mut out);
+            }
             let (part, u) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
             let Some(drawn) = brdf.sample(surface.normal, wo, part, u) else { break };
             if surface.geometric_normal.dot(drawn.wi) <= 0.0 {

@@ -52,21 +52,15 @@ pub fn irradiance(
 ) -> Vec3 {
     match emitter {
         Emitter::Lamp { lamp, .. } => {
-            if let LampKind::Directional { illuminance } = lamp.kind {
-                let wi = -lamp.axis();
-                let e = illuminance * (lamp.dimmer * receiver.normal.dot(wi).max(0.0));
-                return if e == Vec3::ZERO || world.accel.occluded(&Ray::new(receiver.origin(), wi)) {
-                    Vec3::ZERO
-                } else {
-                    e
-                };
-            }
             let e = unshadowed_lamp(lamp, receiver);
-            let ray = Ray::between(receiver.origin(), lamp.position());
+            let ray = match lamp.kind {
+                LampKind::Directional { .. } => Ray::new(receiver.origin(), -lamp.axis()),
+                _ => Ray::between(receiver.origin(), lamp.position()),
+            };
             if e == Vec3::ZERO || world.accel.occluded(&ray) { Vec3::ZERO } else { e }
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO || below_horizon(area, receiver) => Vec3::ZERO,
-        Emitter::Area(area) if !area.textured && area.triangles.len() <= ANALYTIC_TRIANGLES => {
+        Emitter::Area(area) if has_closed_form(area) => {
             let mut light = PartlyHidden::default();
             light.add(world, area, receiver, samples, scramble);
             area.radiance * light.factor()
@@ -74,9 +68,9 @@ pub fn irradiance(
         Emitter::Area(area) => {
             let mut sum = Vec3::ZERO;
             for j in 0..samples.max(1) {
-                let (weight, radiance, seen) = area_sample(world, area, receiver, j, scramble);
-                if seen {
-                    sum += radiance * weight;
+                let sample = area_sample(world, area, receiver, j, scramble);
+                if let Some(sample) = sample.filter(|s| s.is_seen(world, receiver)) {
+                    sum += sample.radiance * sample.weight;
                 }
             }
             sum * (area.area() / samples.max(1) as f32)
@@ -97,8 +91,7 @@ pub fn mean_irradiance<'a>(
 ) -> Vec3 {
     let count = receivers.len().max(1) as f32;
     if let Emitter::Area(area) = emitter
-        && !area.textured
-        && area.triangles.len() <= ANALYTIC_TRIANGLES
+        && has_closed_form(area)
     {
         let mut light = PartlyHidden::default();
         for (receiver, scramble) in receivers.filter(|(r, _)| !below_horizon(area, r)) {
@@ -126,9 +119,9 @@ impl PartlyHidden {
         }
         self.unshadowed += factor;
         for j in 0..samples.max(1) {
-            let (weight, _, seen) = area_sample(world, area, receiver, j, scramble);
-            self.total += weight;
-            self.visible += if seen { weight } else { 0.0 };
+            let Some(sample) = area_sample(world, area, receiver, j, scramble) else { continue };
+            self.total += sample.weight;
+            self.visible += if sample.is_seen(world, receiver) { sample.weight } else { 0.0 };
         }
     }
 
@@ -136,6 +129,11 @@ impl PartlyHidden {
     fn factor(&self) -> f32 {
         if self.total > 0.0 { self.unshadowed * (self.visible / self.total) } else { 0.0 }
     }
+}
+
+/// Whether light of an area emitter is the closed form times the share that is seen, or sampled as a whole.
+pub(crate) fn has_closed_form(area: &AreaEmitter) -> bool {
+    !area.textured && area.triangles.len() <= ANALYTIC_TRIANGLES
 }
 
 /// Whether a receiver faces away from the whole of an emitter.
@@ -153,8 +151,11 @@ pub fn total_irradiance(world: &World, receiver: &Receiver, samples: u32, scramb
         .fold(Vec3::ZERO, |sum, e| sum + irradiance(world, e, receiver, samples, scramble))
 }
 
-/// I cos θ / d² of a point or spot lamp, lx.
-fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
+/// Light of a lamp if nothing is between, lx: I cos θ / d² of a point or spot lamp.
+pub(crate) fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
+    if let LampKind::Directional { illuminance } = lamp.kind {
+        return illuminance * (lamp.dimmer * receiver.normal.dot(-lamp.axis()).max(0.0));
+    }
     let to_lamp = lamp.position() - receiver.position;
     let d2 = to_lamp.length_squared();
     let wi = to_lamp / d2.sqrt();
@@ -166,7 +167,7 @@ fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
 }
 
 /// Irradiance a unit radiance over the whole emitter would give, sr projected, unshadowed.
-fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
+pub(crate) fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
     let mut factor = 0.0;
     for &t in &area.triangles {
         let [a, b, c] = world.geometry.positions[t as usize];
@@ -184,31 +185,42 @@ fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
     factor as f32
 }
 
-/// One area sample: cos θ cos θ′ / d², the radiance there, and whether it is seen.
-fn area_sample(
+/// A point of an area emitter that faces a receiver.
+pub(crate) struct AreaSample {
+    /// cos θ cos θ′ / d², 1/m² sr.
+    pub weight: f32,
+    /// Its radiance, cd/m².
+    pub radiance: Vec3,
+    /// The point, off the emitter's surface.
+    pub target: Vec3,
+}
+
+impl AreaSample {
+    fn is_seen(&self, world: &World, receiver: &Receiver) -> bool {
+        !world.accel.occluded(&Ray::between(receiver.origin(), self.target))
+    }
+}
+
+/// The `j`-th point of an area emitter for a receiver; `None` where they do not face each other.
+pub(crate) fn area_sample(
     world: &World,
     area: &AreaEmitter,
     receiver: &Receiver,
     j: u32,
     scramble: u32,
-) -> (f32, Vec3, bool) {
+) -> Option<AreaSample> {
     let point = area.point(&world.geometry, r2_point(j, scramble));
     let to_light = point.position - receiver.position;
     let d2 = to_light.length_squared();
     let wi = to_light / d2.sqrt();
     let cosine = receiver.normal.dot(wi);
-    let mut cosine_light = -point.normal.dot(wi);
-    if area.double_sided {
-        cosine_light = cosine_light.abs();
-    }
+    let facing = -point.normal.dot(wi);
+    let cosine_light = if area.double_sided { facing.abs() } else { facing };
     if d2 == 0.0 || !wi.is_finite() || cosine <= 0.0 || cosine_light <= 0.0 {
-        return (0.0, Vec3::ZERO, false);
+        return None;
     }
-    let seen = !world.accel.occluded(&Ray::between(
-        receiver.origin(),
-        offset_origin(point.position, point.normal * -point.normal.dot(wi).signum()),
-    ));
-    (cosine * cosine_light / d2, point.radiance, seen)
+    let target = offset_origin(point.position, point.normal * facing.signum());
+    Some(AreaSample { weight: cosine * cosine_light / d2, radiance: point.radiance, target })
 }
 
 /// [`polygon_irradiance`] of a triangle that is small for its distance and above the horizon, by the

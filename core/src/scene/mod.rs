@@ -16,6 +16,7 @@ pub mod geometry;
 pub mod glossy;
 pub mod import;
 pub mod lamp;
+pub mod light_sample;
 pub mod material;
 pub mod mesh;
 pub mod volume;

@@ -1,0 +1,233 @@
+//! What specular lobes pass on to dull surfaces: L(D|S)*S D, the ways on which light in a room goes on after
+//! it met something polished.
+//!
+//! A gather ray that meets a lobe goes on by it, a chain of lobes included, until it meets nothing or is given
+//! up by roulette. Dull light met there is remembered as an element with a factor a channel, as the volume's
+//! rays remember it; a luminous surface met, as a place with a factor. Lobes that are wide or lamps that are
+//! small are found the other way round: from the place on the lobe a point of each emitter is asked, and both
+//! are weighted by the balance heuristic (Veach and Guibas 1995). Flat ideal mirrors have [`crate::mirror::thrown`]
+//! for the light that reaches a dull surface by one of them.
+//!
+//! Limits: a lamp without a surface is missed behind a lobe and a mirror after it. What was traced holds for
+//! where the objects stood; of emitters that moved since, what rays met by chance is left out.
+
+use crate::{
+    math::random::{Rng, hash2},
+    mirror::thrown::Images,
+    scene::{
+        accel::{Hit, Ray},
+        brdf::Brdf,
+        direct::Receiver,
+        emitters::Emitter,
+        geometry::{Geometry, Surface, offset_origin},
+        light_sample::LightSample,
+        world::World,
+    },
+};
+use glam::{Affine3A, Vec2, Vec3};
+use std::{collections::HashMap, f32::consts::PI};
+
+/// Lobes that a ray follows, at most.
+const MOST_LOBES: u32 = 32;
+
+/// Share of the light below which a ray goes on by chance, in proportion.
+const SURE_SHARE: f32 = 0.25;
+
+/// Places on lobes asked for an emitter, about, while something moves and when it rests.
+pub(super) const PLACES: [usize; 2] = [1 << 15, 1 << 20];
+
+/// What one element sees by way of lobes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seen {
+    /// Elements and what of their radiosity arrives, per ray.
+    pub elements: Vec<(u32, Vec3)>,
+    emissions: Vec<Emission>,
+    places: Vec<Place>,
+}
+
+/// A luminous surface met by a lobe's ray.
+#[derive(Clone, Copy, Debug)]
+struct Emission {
+    triangle: u32,
+    uv: Vec2,
+    factor: Vec3,
+}
+
+/// A place on a lobe.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    triangle: u32,
+    barycentric: Vec2,
+    /// Of the ray that met it.
+    direction: Vec3,
+    factor: Vec3,
+}
+
+/// What is needed to follow rays by lobes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lobes {
+    pub images: Images,
+    /// Whether anything is specular at all.
+    any: bool,
+    /// Area of each area emitter by object and material, m².
+    areas: HashMap<(u32, u32), f32>,
+    /// Where the objects stood.
+    placements: Vec<Affine3A>,
+}
+
+impl Lobes {
+    /// Those of a world.
+    pub fn new(world: &World) -> Self {
+        let geometry = &world.geometry;
+        if !geometry.is_specular() {
+            return Self::default();
+        }
+        let areas = world.emitters.list.iter().filter_map(|emitter| match emitter {
+            Emitter::Area(area) => Some((emitter_of(geometry, area.triangles[0]), area.area())),
+            Emitter::Lamp { .. } => None,
+        });
+        let placements = geometry.world_from_object.clone();
+        Self { images: Images::new(geometry), any: true, areas: areas.collect(), placements }
+    }
+
+    /// Whether anything is specular at all.
+    pub fn any(&self) -> bool {
+        self.any
+    }
+
+    /// Follows a ray that met a surface by its lobe, if it has one. `element` gives the element of a place that a
+    /// number in [0, 1) draws, if any.
+    pub fn follow(
+        &self,
+        world: &World,
+        (mut hit, mut direction): (Hit, Vec3),
+        rng: &mut Rng,
+        element: impl Fn(&Hit, Vec3, f32) -> Option<u32>,
+        seen: &mut Seen,
+    ) {
+        let geometry = &world.geometry;
+        let mut left = Vec3::ONE;
+        for bounce in 0..MOST_LOBES {
+            let surface = geometry.surface(hit.triangle, hit.barycentric, direction);
+            let Some(brdf) = lobe(geometry, &surface) else { return };
+            let wo = -direction;
+            let expected = left * brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(wo.dot(surface.normal)));
+            let survival = (expected.max_element() / SURE_SHARE).min(1.0);
+            if rng.next_f32() >= survival {
+                return;
+            }
+            left /= survival;
+            let mirror = brdf.specular.is_some_and(|s| s.is_mirror());
+            if !mirror {
+                let Hit { triangle, barycentric, .. } = hit;
+                seen.places.push(Place { triangle, barycentric, direction, factor: left });
+            }
+            let Some(drawn) = brdf.sample(surface.normal, wo, 0.0, rng.next_vec2()) else { return };
+            if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
+                return;
+            }
+            left *= drawn.specular;
+            let origin = offset_origin(surface.position, surface.geometric_normal);
+            let Some(next) = world.accel.trace(&Ray::new(origin, drawn.wi)) else { return };
+            let met = geometry.surface(next.triangle, next.barycentric, drawn.wi);
+            if geometry.material_of(next.triangle).emission != Vec3::ZERO && geometry.is_lit(&met) {
+                let by_image = bounce == 0 && mirror && self.images.covers(hit.triangle);
+                let weight = match (by_image, mirror) {
+                    (true, _) => 0.0,
+                    (_, true) => 1.0,
+                    _ => {
+                        let cosine = met.geometric_normal.dot(drawn.wi).abs();
+                        let area =
+                            self.areas.get(&emitter_of(geometry, next.triangle)).copied().unwrap_or(0.0);
+                        let light = next.t * next.t / (area * cosine);
+                        if light.is_finite() { drawn.density / (drawn.density + light) } else { 1.0 }
+                    }
+                };
+                if weight > 0.0 {
+                    let factor = left * weight;
+                    seen.emissions.push(Emission { triangle: next.triangle, uv: met.uv, factor });
+                }
+            }
+            if let Some(element) = element(&next, drawn.wi, rng.next_f32()) {
+                seen.elements.push((element, left));
+            }
+            (hit, direction) = (next, drawn.wi);
+        }
+    }
+
+    /// Irradiance of an element from one emitter by way of lobes but for [`Images`], times the number of its rays,
+    /// lx per channel. Every `stride`-th place is asked, from the `first` on.
+    pub fn irradiance(
+        &self,
+        world: &World,
+        emitter: &Emitter,
+        seen: &Seen,
+        (first, stride): (usize, usize),
+        scramble: u32,
+    ) -> Vec3 {
+        let geometry = &world.geometry;
+        let (mut sum, mut moved) = (Vec3::ZERO, false);
+        if let Emitter::Area(area) = emitter {
+            let object = area.object as usize;
+            moved = self.placements.get(object) != Some(&geometry.world_from_object[object]);
+            let own = emitter_of(geometry, area.triangles[0]);
+            let dimmer = if area.textured { geometry.dimmer[object] } else { 1.0 };
+            for emission in &seen.emissions {
+                if !moved && emitter_of(geometry, emission.triangle) == own {
+                    let material = geometry.material_of(emission.triangle);
+                    sum += emission.factor * material.emission_at(emission.uv, &geometry.textures) * dimmer;
+                }
+            }
+        }
+        let mut asked = Vec3::ZERO;
+        for (i, place) in seen.places.iter().enumerate().skip(first).step_by(stride) {
+            let surface = geometry.surface(place.triangle, place.barycentric, place.direction);
+            let Some(brdf) = lobe(geometry, &surface) else { continue };
+            let Surface { position, normal, geometric_normal, .. } = surface;
+            let receiver = Receiver { position, normal, geometric_normal };
+            let mut rng = Rng::new(u64::from(scramble), i as u64);
+            let Some(sample) = LightSample::new(world, emitter, &receiver, 1.0, rng.next_vec2()) else {
+                continue;
+            };
+            let (wi, wo) = (sample.wi, -place.direction);
+            let weight = match sample.density {
+                Some(light) if !moved => light / (light + brdf.density(normal, wi, wo)),
+                _ => 1.0,
+            };
+            let [_, value] = brdf.value(normal, wi, wo);
+            let light = place.factor * value * sample.radiance_over_density * (normal.dot(wi) * weight);
+            if light != Vec3::ZERO && light.is_finite() && !world.accel.occluded(&sample.ray) {
+                asked += light;
+            }
+        }
+        (sum + asked * stride as f32) * PI
+    }
+}
+
+impl Seen {
+    /// Places on lobes.
+    pub fn places(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.elements[..]) + size_of_val(&self.emissions[..]) + size_of_val(&self.places[..])
+    }
+}
+
+/// The specular part by itself of what a surface does to light.
+fn lobe(geometry: &Geometry, surface: &Surface) -> Option<Brdf> {
+    let specular = geometry.brdf(surface).specular?;
+    Some(Brdf { diffuse: Vec3::ZERO, specular: Some(specular) })
+}
+
+/// Object and material of a triangle: what makes an area emitter.
+fn emitter_of(geometry: &Geometry, triangle: u32) -> (u32, u32) {
+    (geometry.object[triangle as usize], geometry.material[triangle as usize])
+}
+
+/// Place from which every `stride`-th is asked in an element's list: another in each.
+pub(super) fn first_of(stride: usize, element: usize, seed: u32) -> usize {
+    hash2(element as u32, seed ^ 0x10BE) as usize % stride
+}
