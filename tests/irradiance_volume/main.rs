@@ -29,7 +29,7 @@ use lumenscope_core::{
         frame::uniform_direction, part::Part, progress::Progress, random::Rng, sphere_map::DirectionBins,
     },
     scene::{
-        Object, Part as ScenePart, Scene, Target,
+        Scene, Target,
         direct::polygon_irradiance,
         lamp::{Lamp, LampKind},
         material::Material,
@@ -37,6 +37,7 @@ use lumenscope_core::{
         world::World,
     },
 };
+use lumenscope_tests::add;
 use std::{
     f32::consts::{PI, TAU},
     sync::Arc,
@@ -76,15 +77,7 @@ fn faces(low: Vec3, high: Vec3, inwards: bool) -> [Mesh; 6] {
 /// One object a face, each with its own material; face i has triangles 2i and 2i + 1.
 fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, emission: [Vec3; 6]) {
     for (mesh, emission) in faces(low, high, inwards).into_iter().zip(emission) {
-        scene.materials.push(Material { emission, ..Material::default() });
-        scene.meshes.push(Arc::new(mesh));
-        scene.objects.push(Object {
-            name: "face".into(),
-            parts: vec![ScenePart { mesh: scene.meshes.len() - 1, material: scene.materials.len() - 1 }],
-            world_from_object: Affine3A::IDENTITY,
-            movable: false,
-            dimmer: 1.0,
-        });
+        add(scene, "face", mesh, Material { emission, ..Material::default() });
     }
 }
 
@@ -108,15 +101,8 @@ fn furnished() -> (Scene, PerTriangle) {
     let mut scene = room([Vec3::ZERO; 6]);
     add_box(&mut scene, Vec3::new(0.8, 0.0, 1.0), Vec3::new(2.0, 1.1, 2.6), false, [Vec3::ZERO; 6]);
     let panel = [0.0, 1.0, 1.0, 0.0].zip4([0.0, 0.0, 1.0, 1.0]);
-    scene.materials.push(Material { emission: Vec3::new(500.0, 450.0, 400.0), ..Material::default() });
-    scene.meshes.push(Arc::new(Mesh::quad(panel.map(|(x, z)| Vec3::new(1.0 + x, 2.49, 1.5 + z)))));
-    scene.objects.push(Object {
-        name: "panel".into(),
-        parts: vec![ScenePart { mesh: scene.meshes.len() - 1, material: scene.materials.len() - 1 }],
-        world_from_object: Affine3A::IDENTITY,
-        movable: false,
-        dimmer: 1.0,
-    });
+    let shining = Material { emission: Vec3::new(500.0, 450.0, 400.0), ..Material::default() };
+    add(&mut scene, "panel", Mesh::quad(panel.map(|(x, z)| Vec3::new(1.0 + x, 2.49, 1.5 + z))), shining);
     scene.lamps.push(point_lamp(Vec3::new(0.5, 2.0, 0.5), 40.0));
     let mut rng = Rng::new(3, 0);
     let radiosity = (0..scene.triangle_count()).map(|_| Vec3::splat(100.0 * rng.next_f32())).collect();

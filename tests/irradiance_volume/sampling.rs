@@ -94,15 +94,7 @@ impl Bright {
         let corner = Vec3::new(0.01, 1.4, 2.3);
         let square =
             [(0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge)].map(|(y, z)| corner + Vec3::new(0.0, y, z));
-        scene.materials.push(Material::default());
-        scene.meshes.push(Arc::new(Mesh::quad(square)));
-        scene.objects.push(Object {
-            name: "square".into(),
-            parts: vec![ScenePart { mesh: scene.meshes.len() - 1, material: scene.materials.len() - 1 }],
-            world_from_object: Affine3A::IDENTITY,
-            movable: false,
-            dimmer: 1.0,
-        });
+        add(&mut scene, "square", Mesh::quad(square), Material::default());
         let mut radiosity = vec![Vec3::splat(PI); 7];
         radiosity[6] = Vec3::splat(PI * radiance);
         (scene, Self { radiosity, corner, edge })

@@ -76,17 +76,9 @@ fn the_lobe_of_even_light_is_a_ball_by_bin_and_smooth() {
 fn room() -> (World, PerTriangle) {
     let colours = [0.2, 1.0, 0.5, 3.0, 0.1, 0.7];
     let mut scene = Scene::default();
-    for (mesh, _) in faces(Vec3::splat(-1.0), Vec3::splat(1.0), true).into_iter().zip(colours) {
-        scene.meshes.push(Arc::new(mesh));
-        let i = scene.meshes.len() - 1;
-        scene.materials.push(Material { reflectance: Vec3::splat(0.5), ..Material::default() });
-        scene.objects.push(Object {
-            name: format!("wall {i}"),
-            parts: vec![ScenePart { mesh: i, material: i }],
-            world_from_object: Affine3A::IDENTITY,
-            movable: false,
-            dimmer: 1.0,
-        });
+    for (i, mesh) in faces(Vec3::splat(-1.0), Vec3::splat(1.0), true).into_iter().enumerate() {
+        let grey = Material { reflectance: Vec3::splat(0.5), ..Material::default() };
+        add(&mut scene, &format!("wall {i}"), mesh, grey);
     }
     let radiosity = colours.into_iter().flat_map(|c| [Vec3::new(c, c, 0.5 * c) * PI; 2]).collect();
     (World::new(&scene), PerTriangle(radiosity))

@@ -1,7 +1,7 @@
 //! What the mouse does in the viewport.
 
 use crate::window::Window;
-use egui::{Pos2, Vec2};
+use egui::Vec2;
 use egui_kittest::kittest::Queryable;
 use lumenscope::{session::View, viewport::screen::Screen};
 use lumenscope_core::scene::Target;
@@ -10,15 +10,6 @@ use lumenscope_core::scene::Target;
 fn screen(window: &Window) -> Screen {
     let rect = window.harness.get_by_label("viewport").rect();
     Screen { rect, camera: window.view().camera }
-}
-
-fn click_at(window: &mut Window, at: Pos2) {
-    window.harness.hover_at(at);
-    window.harness.step();
-    window.harness.drag_at(at);
-    window.harness.step();
-    window.harness.drop_at(at);
-    window.harness.run_steps(2);
 }
 
 #[test]
@@ -40,7 +31,7 @@ fn a_clicked_volume_sphere_opens_its_own_light() {
         .min_by(|a, b| a.centre.distance(eye).total_cmp(&b.centre.distance(eye)))
         .unwrap();
     let (at, _) = screen.project(sphere.centre).unwrap();
-    click_at(&mut window, at);
+    window.click_at(at);
     assert_eq!(window.view().probe.map(|p| p.0), Some(sphere.centre), "the sample's own place is opened");
     window
         .wait("its spheres", |app| app.session().probe.as_ref().is_some_and(|p| p.position == sphere.centre));
@@ -57,7 +48,7 @@ fn a_clicked_lamp_is_selected_and_its_handles_come_up() {
     let bulb = window.scene().lamps[0].position();
     let (at, _) = screen.project(bulb).unwrap();
     assert!(screen.rect.contains(at), "the bulb can be seen: {at}");
-    click_at(&mut window, at);
+    window.click_at(at);
     assert_eq!(window.view().selected, Some(Target::Lamp(0)));
     assert!(window.view().probe.is_none(), "a lamp is no point of a surface");
     window.harness.run_steps(3);

@@ -169,6 +169,16 @@ impl Window<'_> {
         self.harness.step();
     }
 
+    /// Clicks a point of the window.
+    pub fn click_at(&mut self, at: egui::Pos2) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        self.harness.drag_at(at);
+        self.harness.step();
+        self.harness.drop_at(at);
+        self.harness.run_steps(2);
+    }
+
     /// Keeps what is on screen where the environment asks for it.
     pub fn keep(&mut self, name: &str) {
         if let Ok(folder) = std::env::var("LUMENSCOPE_SHOTS") {

@@ -65,29 +65,15 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             "way", "texels", "MSE lx2", "relMSE", "sMAPE", "FLIP", "perceptual", "crease"
         );
         for r in &rows {
+            let (name, texels) = (&r.name, texels(r));
+            let numbers @ [mse, rel_mse, smape, flip, perceptual, crease] =
+                [r.mse, r.rel_mse, r.smape, r.flip, r.perceptual, r.crease];
             println!(
-                "{:<42} {:>7} {:>9.2} {:>9.6} {:>7.5} {:>7.5} {:>10.6} {:>8.4}",
-                r.name,
-                texels(r),
-                r.mse,
-                r.rel_mse,
-                r.smape,
-                r.flip,
-                r.perceptual,
-                r.crease
+                "{name:<42} {texels:>7} {mse:>9.2} {rel_mse:>9.6} {smape:>7.5} {flip:>7.5} {perceptual:>10.6} \
+                 {crease:>8.4}"
             );
-            let _ = writeln!(
-                csv,
-                "{samples},\"{}\",{},{},{},{},{},{},{}",
-                r.name,
-                texels(r),
-                r.mse,
-                r.rel_mse,
-                r.smape,
-                r.flip,
-                r.perceptual,
-                r.crease
-            );
+            let numbers = numbers.map(|n| n.to_string()).join(",");
+            let _ = writeln!(csv, "{samples},\"{name}\",{texels},{numbers}");
         }
         let reference = spot.picture();
         let mut layers: Vec<(String, &LinearImage)> = vec![("reference".into(), &reference)];

@@ -1,6 +1,6 @@
 //! Two copies of the selected thing, lit by two volumes at once.
 
-use super::{edit_view, section};
+use super::{edit_view, named, section};
 use crate::{
     command::Command,
     copies::{Copies, CopyLight, CopyVolume},
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
                 ui.label("At").on_hover_text("The place midway between the copies, m");
                 for (axis, value) in ["x", "y", "z"].iter().zip(copies.at.as_mut()) {
                     let number = ui.add(DragValue::new(value).speed(0.01).max_decimals(2).suffix(" m"));
-                    number.ctx.accesskit_node_builder(number.id, |n| n.set_label(format!("Copies {axis}")));
+                    named(number, &format!("Copies {axis}"));
                 }
             });
         });
@@ -65,8 +65,7 @@ fn lit_by(ui: &mut Ui, side: &str, session: &Session, light: &mut CopyLight) {
             ui.selectable_value(&mut light.volume, volume, name(volume));
         }
     });
-    let label = format!("Volume of the {} copy", side.to_lowercase());
-    list.response.ctx.accesskit_node_builder(list.response.id, |n| n.set_label(label));
+    named(list.response, &format!("Volume of the {} copy", side.to_lowercase()));
     let part = |part| match part {
         Part::All => "all",
         Part::Direct => "direct",
@@ -78,6 +77,5 @@ fn lit_by(ui: &mut Ui, side: &str, session: &Session, light: &mut CopyLight) {
             ui.selectable_value(&mut light.part, choice, part(choice));
         }
     });
-    let label = format!("Light of the {} copy", side.to_lowercase());
-    list.response.ctx.accesskit_node_builder(list.response.id, |n| n.set_label(label));
+    named(list.response, &format!("Light of the {} copy", side.to_lowercase()));
 }

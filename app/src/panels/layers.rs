@@ -1,6 +1,6 @@
 //! Layers: the terms of the picture, how they are weighted, and how the sum is brought to the display.
 
-use super::{edit_view, section};
+use super::{edit_view, named, section};
 use crate::{
     command::Command,
     light_paths::LightPaths,
@@ -68,13 +68,13 @@ fn layers(ui: &mut Ui, view: &mut View) {
             let solo = is_solo(view, layer);
             let hint = format!("Show this layer alone, again for all ({})", index + 1);
             let button = ui.selectable_label(solo, "solo").on_hover_text(hint);
-            name_it(&button, &format!("Solo {name}"));
+            let button = named(button, &format!("Solo {name}"));
             if button.clicked() {
                 toggle_solo(view, layer);
             }
             let slider = Slider::new(&mut view.weights[index], 0.0..=4.0).max_decimals(2);
             let slider = ui.add(slider).on_hover_text("Weight of the layer in the sum: 1 is the truth");
-            name_it(&slider, &format!("Weight of {name}"));
+            named(slider, &format!("Weight of {name}"));
             ui.end_row();
         }
     });
@@ -99,7 +99,7 @@ fn paths(ui: &mut Ui, shown: &LightPaths, view: &mut View) {
             "Which light is shown, as a regular expression over its path: L the light, D a diffuse and S a specular \
              reflection, E the eye; | * + ? {n} and ( ) as usual.\n\nLDE, L(D|S)*SE, LE|LD{2}E",
         );
-        name_it(&edit, "Expression of light paths");
+        named(edit, "Expression of light paths");
         let picked = PATHS.iter().find(|p| p.0 == view.paths).map_or("typed", |p| p.1);
         ComboBox::from_id_salt("paths").width(90.0).selected_text(picked).show_ui(ui, |ui| {
             for (text, meaning) in PATHS {
@@ -220,16 +220,12 @@ fn false_colour(ui: &mut Ui, view: &mut View) {
         ui.label("From");
         let speed = f64::from(colours.high) * 0.005;
         let low = ui.add(DragValue::new(&mut colours.low).range(0.0..=1e9).speed(speed).max_decimals(3));
-        name_it(&low, "Low end of the false colour");
+        named(low, "Low end of the false colour");
         ui.label("to");
         let high = ui.add(DragValue::new(&mut colours.high).range(1e-6..=1e9).speed(speed).suffix(" cd/m²"));
-        name_it(&high, "High end of the false colour");
+        named(high, "High end of the false colour");
         colours.high = colours.high.max(colours.low * 1.001 + 1e-6);
     });
-}
-
-fn name_it(response: &egui::Response, name: &str) {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
 fn tone_name(tone: ToneCurve) -> &'static str {

@@ -17,7 +17,7 @@ pub mod views;
 pub mod volumes;
 
 use crate::{command::Command, session::View};
-use egui::{RichText, Ui, UiBuilder};
+use egui::{Response, RichText, Ui, UiBuilder};
 use glam::Vec3;
 use lumenscope_core::math::colour::luminance;
 
@@ -37,6 +37,12 @@ fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.label(RichText::new(title).strong());
     let id = ui.scope_id().with(title);
     ui.scope_builder(UiBuilder::new().scope_id(id), contents);
+}
+
+/// Gives a widget the name by which screen readers, and tests, know it.
+pub fn named(response: Response, name: &str) -> Response {
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+    response
 }
 
 /// A number with about three significant digits.

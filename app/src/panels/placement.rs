@@ -1,6 +1,6 @@
 //! Placement: illuminance on a plane or an object's top, held against what a task needs.
 
-use super::{edit_view, section};
+use super::{edit_view, named, section};
 use crate::{
     command::Command,
     placement::{PLACEMENT, Placement, Site, own_plane},
@@ -102,7 +102,7 @@ fn site(ui: &mut Ui, scene: &Scene, session: &Session, placement: &mut Placement
                 ui.selectable_value(&mut placement.site, *site, name);
             }
         });
-        list.response.ctx.accesskit_node_builder(list.response.id, |node| node.set_label("Measured place"));
+        named(list.response, "Measured place");
     });
     if placement.site == Some(Site::Own) {
         own(ui, session, placement, drag);
@@ -117,13 +117,13 @@ fn own(ui: &mut Ui, session: &Session, placement: &mut Placement, drag: &mut Dra
         ui.label("Middle").on_hover_text("World position of the plane's middle, m; y is up");
         for (axis, value) in ["x", "y", "z"].iter().zip(at.as_mut()) {
             let response = ui.add(DragValue::new(value).speed(0.01).max_decimals(2).suffix(" m"));
-            drag.watch(&accessible(response, &format!("Plane {axis}")));
+            drag.watch(&named(response, &format!("Plane {axis}")));
         }
         ui.end_row();
         ui.label("Size").on_hover_text("Along x and along z, m");
         for (name, value) in ["Plane width", "Plane depth"].iter().zip(&mut size) {
             let number = DragValue::new(value).speed(0.01).range(0.05..=200.0).max_decimals(2).suffix(" m");
-            drag.watch(&accessible(ui.add(number), name));
+            drag.watch(&named(ui.add(number), name));
         }
         if let Some((probe, _)) = session.document.view.probe {
             let hint = "Puts the plane's middle where the spheres are open";
@@ -158,7 +158,7 @@ fn task(ui: &mut Ui, placement: &mut Placement, drag: &mut Drag) {
                 }
             }
         });
-        list.response.ctx.accesskit_node_builder(list.response.id, |node| node.set_label("Task"));
+        named(list.response, "Task");
     });
     Grid::new("wanted").num_columns(4).spacing([8.0, 3.0]).show(ui, |ui| {
         let mut row = |ui: &mut Ui, name, value: &mut Option<f32>, start, most, suffix, hint: &str| {
@@ -169,7 +169,7 @@ fn task(ui: &mut Ui, placement: &mut Placement, drag: &mut Drag) {
             if let Some(value) = value {
                 let speed = most / 1000.0;
                 let number = DragValue::new(value).speed(speed).range(0.0..=most).suffix(suffix);
-                drag.watch(&accessible(ui.add(number.max_decimals(2)), &format!("{name} asked for")));
+                drag.watch(&named(ui.add(number.max_decimals(2)), &format!("{name} asked for")));
             } else {
                 ui.label("");
             }
@@ -187,13 +187,13 @@ fn task(ui: &mut Ui, placement: &mut Placement, drag: &mut Drag) {
              by it; 0.8 is usual where lamps are cleaned each year",
         );
         let factor = DragValue::new(&mut placement.maintenance_factor).speed(0.005).range(0.01..=1.0);
-        drag.watch(&accessible(ui.add(factor.max_decimals(2)), "Maintenance factor"));
+        drag.watch(&named(ui.add(factor.max_decimals(2)), "Maintenance factor"));
         ui.label("Grid").on_hover_text(
             "Points along each edge, in those that EN 12464-1 asks for: at most 0.2 · 5^(log₁₀ d) metres apart on \
              a field d metres long",
         );
         let finer = DragValue::new(&mut placement.finer).speed(0.05).range(1..=16).prefix("× ");
-        drag.watch(&accessible(ui.add(finer), "Grid finer"));
+        drag.watch(&named(ui.add(finer), "Grid finer"));
         ui.end_row();
     });
 }
@@ -259,9 +259,4 @@ fn verdict(ui: &mut Ui, statistics: Option<&Statistics>, wanted: &Requirement) {
             format!("Enough light for: {}", wanted.task.to_lowercase()),
         );
     }
-}
-
-fn accessible(response: Response, name: &str) -> Response {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-    response
 }

@@ -1,6 +1,6 @@
 //! The scene: objects and lamps, what is selected, where it stands and how bright it is set.
 
-use super::{edit_view, number, section};
+use super::{edit_view, named, number, section};
 use crate::{
     command::Command,
     document::{MOST_DIMMER, is_movable},
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         return;
     };
     let search = TextEdit::singleline(&mut state.filter).hint_text("Search").desired_width(f32::INFINITY);
-    accessible(ui.add(search), "Search").on_hover_text("Show only names that contain this");
+    named(ui.add(search), "Search").on_hover_text("Show only names that contain this");
     ui.add_space(4.0);
     let height = if session.document.view.selected.is_some() { 120.0 } else { f32::INFINITY };
     ScrollArea::vertical().id_salt("targets").max_height(height).auto_shrink(false).show(ui, |ui| {
@@ -157,7 +157,7 @@ fn transform(
             ui.label("Position").on_hover_text("World position, m; y is up");
             for (name, value) in ["x", "y", "z"].iter().zip(position.as_mut()) {
                 let drag = DragValue::new(value).speed(0.01).max_decimals(3).suffix(" m");
-                watch(accessible(ui.add(drag), &format!("Position {name}")));
+                watch(named(ui.add(drag), &format!("Position {name}")));
             }
             ui.end_row();
         }
@@ -165,7 +165,7 @@ fn transform(
             ui.label("Turn").on_hover_text("About x, y, z in degrees: first z, then x, then y");
             for (name, value) in ["x", "y", "z"].iter().zip(degrees.as_mut()) {
                 let drag = DragValue::new(value).speed(0.5).max_decimals(1).suffix("°");
-                watch(accessible(ui.add(drag), &format!("Turn {name}")));
+                watch(named(ui.add(drag), &format!("Turn {name}")));
             }
             ui.end_row();
         }
@@ -176,11 +176,6 @@ fn transform(
         place(Affine3A::from_scale_rotation_translation(scale, rotation, position), dragging);
     }
     ended
-}
-
-fn accessible(response: Response, name: &str) -> Response {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-    response
 }
 
 fn materials(ui: &mut Ui, scene: &Scene, object: usize) {

@@ -1,6 +1,6 @@
 //! Inspection views: what can be shown inside the scene, and the volume as spheres.
 
-use super::{copies, edit_view, section, volumes};
+use super::{copies, edit_view, named, section, volumes};
 use crate::{
     command::Command,
     pipeline::SPHERES,
@@ -125,7 +125,7 @@ fn slice(ui: &mut Ui, slice: &mut Option<(u8, f32)>) {
         if axis.is_some() {
             ui.spacing_mut().slider_width = 70.0;
             let slider = ui.add(Slider::new(&mut height, 0.0..=1.0).max_decimals(2));
-            slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Height of the slice"));
+            named(slider, "Height of the slice");
         }
         *slice = axis.map(|a| (a, height));
     });

@@ -1,6 +1,6 @@
 //! Two volumes compared: surfaces that one leaves out, and volumes kept to come back to.
 
-use super::{edit_view, section};
+use super::{edit_view, named, section};
 use crate::{
     command::{Command, Dialog},
     document::exists,
@@ -29,7 +29,8 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
                     let name = scene.target_name(target);
                     ui.horizontal(|ui| {
                         let close = ui.small_button("×").on_hover_text("Count its light again");
-                        close.ctx.accesskit_node_builder(close.id, |n| n.set_label(format!("Count {name}")));
+
+                        let close = named(close, &format!("Count {name}"));
                         if close.clicked() {
                             view.volume.ignored.remove(&target);
                         }
