@@ -8,8 +8,9 @@ mod keys;
 
 use crate::{
     command::{Command, Window as WindowCommand},
+    lightmaps::LightmapFile,
     panels::{
-        dock::{Dock, Shown},
+        dock::{Dock, Pane, Shown},
         empty, help, menu,
         notice::{self, DropAnswer, Notice},
         status::{self, Badge},
@@ -177,6 +178,9 @@ impl LumenscopeApp {
             .is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|m| e.eq_ignore_ascii_case(m)));
         if is_model && self.session.scene.is_some() {
             self.dropped = Some(path.to_path_buf());
+        } else if LightmapFile::is_one(path) && self.session.scene.is_some() {
+            self.dock.show_pane(Pane::Lightmap);
+            self.run(ctx, Command::Lightmap(LightmapFile { path: path.to_path_buf(), white: 1.0 }));
         } else {
             self.run(ctx, Command::Open(path.to_path_buf()));
         }
@@ -192,6 +196,17 @@ impl LumenscopeApp {
                     self.lit = Some(Instant::now());
                     self.carry_out(ctx, Effect::Probe);
                     self.carry_out(ctx, Effect::Inspect);
+                    self.carry_out(ctx, Effect::Texture);
+                    self.carry_out(ctx, Effect::Lightmap);
+                }
+                News::Texture(made) => {
+                    self.session.texture = made.filter(|_| self.session.document.view.surface.is_some());
+                }
+                News::Lightmap(judged) => {
+                    // Another may have been opened meanwhile.
+                    if self.session.lightmap_file.as_ref() == Some(&judged.file) {
+                        self.session.lightmap = Some(judged);
+                    }
                 }
                 News::Plan(plan) => self.session.plan = Some(plan),
                 News::Measured(measured) => {

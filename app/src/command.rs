@@ -3,6 +3,7 @@
 use crate::{
     examples::Example,
     export::Export,
+    lightmaps::LightmapFile,
     pipeline::VolumeSource,
     placement::Placement,
     session::{Document, View},
@@ -61,6 +62,8 @@ pub enum Command {
     Replace(Box<Document>),
     /// Write something to a file.
     Export(Export, PathBuf),
+    /// Hold a lightmap baked elsewhere against our light.
+    Lightmap(LightmapFile),
     /// Start or restart the reference picture.
     StartReference,
     /// Keep the volume as it is now, to compare later ones with.
@@ -99,6 +102,8 @@ pub enum Dialog {
     Export(Export),
     /// A list of panoramas.
     Panoramas,
+    /// A lightmap.
+    Lightmap,
 }
 
 /// What can be changed about the window.

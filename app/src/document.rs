@@ -1,10 +1,11 @@
 //! The document: the open scene, what the user changed in it, and how it is looked at.
 
-use crate::{copies::Copies, placement::Placement};
+use crate::{copies::Copies, grid_view::SurfacePoint, placement::Placement};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     irradiance_volume::{dynamic_object::Gloss, inspect::ColourBy, moments::Order},
     math::part::Part,
+    measure::grid_texture::StageSettings,
     scene::{Scene, Target, camera::Camera, file::PlanOverrides},
     superposition::{
         composite::{DirectQuality, Display},
@@ -83,6 +84,15 @@ pub struct View {
     /// Order of the volume's moment by which movable objects shine; `None` where they are diffuse.
     #[serde(default)]
     pub gloss: Option<Order>,
+    /// The point that was clicked last.
+    #[serde(default)]
+    pub surface: Option<SurfacePoint>,
+    /// How the stages of its texture are made.
+    #[serde(default)]
+    pub stages: StageSettings,
+    /// Whether they are held against the path tracer.
+    #[serde(default)]
+    pub traced_texture: bool,
     /// Light-path expression that says what is shown; all paths where it is empty.
     #[serde(default)]
     pub paths: String,
@@ -183,6 +193,9 @@ impl Default for View {
             views: Vec::new(),
             copies: None,
             gloss: None,
+            surface: None,
+            stages: StageSettings::default(),
+            traced_texture: false,
             paths: String::new(),
         }
     }

@@ -171,6 +171,7 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
     let input = ViewInput {
         solution: &request.solution,
         probe: request.probe.as_deref(),
+        element: request.surface.and_then(|s| s.element(&request.solution)),
         volume: &volume,
         against: against.as_deref(),
         placement: request.measurement.as_deref().map(|m| (m, &request.requirement)),

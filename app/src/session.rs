@@ -12,9 +12,11 @@ use crate::{
     document::{dim_problem, exists, place_problem},
     examples::Example,
     export::Export,
+    grid_view::GridView,
     history::{History, Key},
     journal::Journal,
     light_paths::LightPaths,
+    lightmaps::{JudgedLightmap, LightmapFile},
     pipeline::VolumeSource,
     widgets::Probe,
 };
@@ -51,6 +53,12 @@ pub struct Session {
     pub probe: Option<Arc<Probe>>,
     /// The same point at every resolution of the thesis, coarsest first; empty unless asked for.
     pub resolutions: Arc<Vec<Probe>>,
+    /// The texture of the surface that was clicked; `None` where that has none.
+    pub texture: Option<Arc<GridView>>,
+    /// The lightmap that is looked at.
+    pub lightmap_file: Option<LightmapFile>,
+    /// What was found about it in the light as it settled last.
+    pub lightmap: Option<Arc<JudgedLightmap>>,
     /// What the scene needs, and why.
     pub plan: Option<Arc<Plan>>,
     /// Illuminance where it is measured.
@@ -106,6 +114,10 @@ pub enum Effect {
     },
     /// The probe moved: sample it anew.
     Probe,
+    /// Make the texture of the surface that was clicked.
+    Texture,
+    /// Hold the lightmap against our light.
+    Lightmap,
     /// Measure where the document says, from now on.
     Measure,
     /// Make what the views show.
@@ -214,6 +226,9 @@ impl Session {
         self.solution = None;
         self.reference = None;
         self.probe = None;
+        self.texture = None;
+        self.lightmap_file = None;
+        self.lightmap = None;
         self.plan = None;
         self.measurement = None;
         self.inspection = None;
@@ -288,6 +303,13 @@ impl Session {
             Command::AddModel(path) => vec![Effect::Load(path)],
             Command::SaveSession(path) => self.if_open(Effect::Save(path)),
             Command::Export(what, path) => self.if_open(Effect::Export(what, path)),
+            Command::Lightmap(file) => {
+                if self.scene.is_some() {
+                    self.lightmap = None;
+                    self.lightmap_file = Some(file);
+                }
+                self.if_open(Effect::Lightmap)
+            }
             Command::StartReference => match self.light_paths.traced() {
                 Ok(_) => {
                     self.reference = None;
@@ -326,7 +348,12 @@ impl Session {
                 effects
             }
             Command::CompareWith(source) => self.if_open(Effect::OtherVolume(source)),
-            Command::Cancel => vec![Effect::Cancel],
+            Command::Cancel => {
+                let traced = std::mem::take(&mut self.document.view.traced_texture);
+                let mut effects = vec![Effect::Cancel];
+                effects.extend(traced.then_some(Effect::Texture));
+                effects
+            }
             Command::Solve => self.if_open(Effect::Follow { dragging: false }),
             Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],
             Command::Window(window) => vec![Effect::Window(window)],
@@ -418,8 +445,12 @@ impl Session {
             }
             effects.push(Effect::Probe);
         }
-        if view.volume != old.volume || view.views != old.views {
+        let picked = view.surface != old.surface;
+        if view.volume != old.volume || view.views != old.views || (picked && !view.views.is_empty()) {
             effects.push(Effect::Inspect);
+        }
+        if picked || view.stages != old.stages || view.traced_texture != old.traced_texture {
+            effects.push(Effect::Texture);
         }
         effects.extend((view.copies != old.copies).then_some(Effect::Copies));
         let moved = view.camera != old.camera || new_paths;

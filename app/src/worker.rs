@@ -9,6 +9,8 @@ mod bench;
 use crate::{
     copies::CopiesRequest,
     export::ExportRequest,
+    grid_view::{GridRequest, GridView, SurfacePoint},
+    lightmaps::{JudgedLightmap, LightmapFile},
     pipeline::{Loaded, Source, VolumeSource},
     placement::Placement,
     session::{Kept, Reference, VolumeView},
@@ -46,6 +48,10 @@ pub enum News {
     Plan(Arc<Plan>),
     /// A probe was sampled, and the same point at other resolutions where those are shown.
     Probe(Arc<Probe>, Vec<Probe>),
+    /// The texture of the surface that was clicked was made, or better compared; `None` where it has none.
+    Texture(Option<Arc<GridView>>),
+    /// A lightmap was held against our light.
+    Lightmap(Arc<JudgedLightmap>),
     /// Illuminance was measured; `None` where there is nothing to measure.
     Measured(Option<Arc<Measurement>>),
     /// What the views show was made.
@@ -84,6 +90,8 @@ pub struct InspectRequest {
     pub measurement: Option<Arc<Measurement>>,
     /// What is asked of it.
     pub requirement: Requirement,
+    /// The point that was clicked.
+    pub surface: Option<SurfacePoint>,
     /// How the volume is shown.
     pub volume: VolumeView,
     /// Ids of the views switched on.
@@ -132,6 +140,8 @@ struct Slots {
     refine: bool,
     probe: Option<ProbeRequest>,
     inspect: Option<InspectRequest>,
+    /// A texture that is wanted, or that none is.
+    texture: Option<Option<GridRequest>>,
     /// What is measured whenever the light changes.
     placement: Placement,
     /// Whether it has not been measured in the latest light.
@@ -140,6 +150,8 @@ struct Slots {
     reference: Option<Option<ReferenceRequest>>,
     /// Requests for a reference so far, forgetting it included.
     references: u64,
+    /// A lightmap that is to be held against the light.
+    lightmap: Option<LightmapFile>,
     /// A volume that is wanted to compare with.
     other_volume: Option<VolumeSource>,
     /// Copies that every light is shown with.
@@ -220,6 +232,8 @@ impl Worker {
             || slots.refine
             || slots.probe.is_some()
             || slots.inspect.is_some()
+            || slots.texture.is_some()
+            || slots.lightmap.is_some()
             || slots.measure
             || slots.other_volume.is_some()
             || slots.dress
@@ -234,6 +248,8 @@ impl Worker {
             slots.refine = false;
             slots.probe = None;
             slots.inspect = None;
+            slots.texture = Some(None);
+            slots.lightmap = None;
             slots.placement = Placement::default();
             slots.measure = false;
             slots.want_reference(None);
@@ -266,6 +282,11 @@ impl Worker {
         self.put(Rank::Inspect, |slots| slots.inspect = Some(request));
     }
 
+    /// Makes the texture of a surface, or (with `None`) forgets it.
+    pub fn texture(&self, request: Option<GridRequest>) {
+        self.put(Rank::Inspect, |slots| slots.texture = Some(request));
+    }
+
     /// Starts, resumes or (with `None`) forgets the reference picture.
     pub fn reference(&self, request: Option<ReferenceRequest>) {
         self.put(Rank::Any, |slots| slots.want_reference(request));
@@ -277,6 +298,11 @@ impl Worker {
             slots.copies = copies;
             slots.dress = true;
         });
+    }
+
+    /// Holds a lightmap against the light.
+    pub fn lightmap(&self, file: LightmapFile) {
+        self.put(Rank::Any, |slots| slots.lightmap = Some(file));
     }
 
     /// Makes a volume to compare with.
@@ -307,6 +333,7 @@ impl Worker {
             slots.refine = false;
             slots.probe = None;
             slots.exports.clear();
+            slots.lightmap = None;
             slots.want_reference(None);
             slots.other_volume = None;
             slots.measure = false;

@@ -38,6 +38,8 @@ pub struct ViewInput<'a> {
     pub solution: &'a LightTransportSolution,
     /// The probe that is open.
     pub probe: Option<&'a Probe>,
+    /// The element that was clicked.
+    pub element: Option<u32>,
     /// How the volume is shown.
     pub volume: &'a VolumeView,
     /// The volume that the solution's is compared with.
@@ -230,8 +232,8 @@ pub const VIEWS: &[ViewRow] = &[
         id: "radiosity.links",
         systems: &["B2"],
         title: "Exchange of light",
-        tooltip: "Lines from the element nearest to the probe to those it takes most light from: B/N for each of its N gather rays that met one of radiosity B, in lx.",
-        build: |input| layout::links(&input.solution.radiosity, input.probe?.position),
+        tooltip: "Lines from the element that was clicked to those it takes most light from: B/N for each of its N gather rays that met one of radiosity B, in lx.",
+        build: |input| layout::links(&input.solution.radiosity, input.element?),
     },
 ];
 

@@ -2,6 +2,7 @@
 
 mod convert;
 mod curved;
+mod grid;
 mod lightmap;
 mod quadtree;
 mod spot;

@@ -4,8 +4,10 @@ mod copies;
 mod edits;
 mod inspector;
 mod light_paths;
+mod lightmap;
 mod placement;
 mod pointer;
+mod texture;
 mod volumes;
 mod window;
 

@@ -4,6 +4,8 @@ use super::LumenscopeApp;
 use crate::{
     command::{Command, Dialog, Window},
     export::{Export, ExportRequest},
+    grid_view::GridRequest,
+    lightmaps::{EXTENSIONS, LightmapFile},
     panels::notice::UnsavedAnswer,
     pipeline::{Source, VolumeSource},
     session::Effect,
@@ -11,7 +13,7 @@ use crate::{
     worker::{InspectRequest, ProbeRequest, ReferenceRequest},
 };
 use egui::ViewportCommand;
-use lumenscope_core::superposition::composite::DirectQuality;
+use lumenscope_core::{superposition::composite::DirectQuality, transport::solution::State};
 use std::{
     path::PathBuf,
     sync::{Arc, mpsc::Sender},
@@ -44,6 +46,24 @@ impl LumenscopeApp {
                         n: view.probe_bins_n,
                         resolutions: view.probe_resolutions,
                     });
+                }
+            }
+            Effect::Texture => {
+                let view = &self.session.document.view;
+                if view.surface.is_none() {
+                    self.session.texture = None;
+                }
+                self.worker.texture(view.surface.map(|surface| GridRequest {
+                    surface,
+                    settings: view.stages,
+                    traced: view.traced_texture,
+                }));
+            }
+            Effect::Lightmap => {
+                let settled =
+                    self.session.solution.as_ref().is_some_and(|s| s.provenance.state == State::Settled);
+                if let Some(file) = self.session.lightmap_file.clone().filter(|_| settled) {
+                    self.worker.lightmap(file);
                 }
             }
             Effect::Measure => self.worker.measure(self.session.document.edits.placement.clone()),
@@ -85,6 +105,7 @@ impl LumenscopeApp {
             probe: self.session.probe.clone(),
             measurement: self.session.measurement.clone(),
             requirement: self.session.document.edits.placement.requirement.clone(),
+            surface: view.surface,
             volume: view.volume.clone(),
             views: view.views.clone(),
             kept: self.session.kept.clone(),
@@ -205,6 +226,10 @@ fn ask_for_file(
             let ask = ask.set_title(what.title()).set_file_name(what.file_name(name));
             Box::pin(ask.add_filter(format, &[extension]).save_file())
         }
+        Dialog::Lightmap => {
+            let ask = ask.set_title("A lightmap over the scene's texture coordinates");
+            Box::pin(ask.add_filter("Lightmaps", &EXTENSIONS).pick_file())
+        }
         Dialog::Panoramas => {
             let ask = ask.set_title("A volume from panoramas: the list of nodes");
             Box::pin(ask.add_filter("List of nodes", &["ron"]).pick_file())
@@ -218,6 +243,7 @@ fn ask_for_file(
             Dialog::AddModel => Command::AddModel(path),
             Dialog::SaveSession => Command::SaveSession(path),
             Dialog::Export(what) => Command::Export(what, path),
+            Dialog::Lightmap => Command::Lightmap(LightmapFile { path, white: 1.0 }),
             Dialog::Panoramas => Command::CompareWith(VolumeSource::Panoramas(path)),
         };
         // Without a receiver the window is gone.

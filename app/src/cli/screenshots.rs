@@ -29,6 +29,7 @@ use lumenscope_core::{
         sphere_values::SphereValues,
     },
     registry::{VIEWS, ViewInput},
+    scene::accel::Ray,
     superposition::{
         composite::{self, DirectQuality},
         layers::{Layer, Layers},
@@ -154,6 +155,7 @@ pub fn write_pictures(
     let input = ViewInput {
         solution,
         probe: Some(&probe),
+        element: element_below(solution, probe.position),
         volume: &VolumeView::default(),
         against: without_main.as_ref(),
         placement: measured.as_ref().zip(writing.as_ref()),
@@ -173,6 +175,13 @@ pub fn write_pictures(
         }
     }
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
+}
+
+/// The element that a ray straight down from a point meets.
+fn element_below(solution: &LightTransportSolution, at: Vec3) -> Option<u32> {
+    let hit = solution.world.accel.trace(&Ray::new(at, Vec3::NEG_Y))?;
+    let surface = solution.world.geometry.surface(hit.triangle, hit.barycentric, Vec3::NEG_Y);
+    Some(solution.radiosity.element_at(surface.triangle, surface.barycentric, surface.back))
 }
 
 /// Emitters among which the one that matters most is looked for, the strongest ones.

@@ -1,6 +1,6 @@
 //! The dock: the viewport with the panels around it, to be dragged about as the user likes.
 
-use super::{layers, log, placement, plan, readout, scene, views};
+use super::{layers, lightmap, log, placement, plan, readout, scene, texture, views};
 use crate::{
     command::Command,
     session::{Session, View},
@@ -32,6 +32,10 @@ pub enum Pane {
     Readout,
     /// Illuminance where it is measured, held against a task.
     Placement,
+    /// The texture of the surface that was clicked.
+    Texture,
+    /// A lightmap baked elsewhere.
+    Lightmap,
     /// The log.
     Log,
     /// The rendering plan.
@@ -49,6 +53,8 @@ impl Pane {
             Self::Sphere => "Spheres",
             Self::Readout => "Read-out",
             Self::Placement => "Placement",
+            Self::Texture => "Texture",
+            Self::Lightmap => "Lightmap",
             Self::Log => "Log",
             Self::Plan => "Plan",
         }
@@ -71,6 +77,8 @@ pub struct Dock {
     scene: scene::State,
     log: log::State,
     plan: plan::State,
+    texture: texture::State,
+    lightmap: lightmap::State,
     /// What was picked last.
     pub pick: Option<Pick>,
     /// Size of the viewport in points.
@@ -90,6 +98,8 @@ impl Default for Dock {
             scene: scene::State::default(),
             log: log::State::default(),
             plan: plan::State::default(),
+            texture: texture::State::default(),
+            lightmap: lightmap::State::default(),
             pick: None,
             viewport_size: egui::vec2(640.0, 400.0),
             settled: false,
@@ -103,6 +113,11 @@ impl Dock {
     /// Puts the panels back where they were at first.
     pub fn reset_layout(&mut self) {
         self.tree = layout();
+    }
+
+    /// Brings a panel to the front of its tabs.
+    pub fn show_pane(&mut self, pane: Pane) {
+        self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(p) if *p == pane));
     }
 
     /// Shows the whole dock, or the viewport alone.
@@ -119,6 +134,8 @@ impl Dock {
             scene: &mut self.scene,
             log: &mut self.log,
             plan: &mut self.plan,
+            texture: &mut self.texture,
+            lightmap: &mut self.lightmap,
             pick: &mut self.pick,
             size: &mut self.viewport_size,
             settled: &mut self.settled,
@@ -143,7 +160,7 @@ fn layout() -> Tree<Pane> {
     };
     let scene = tabs(&[Pane::Scene]);
     let layers = tabs(&[Pane::Layers, Pane::Views, Pane::Plan]);
-    let spheres = tabs(&[Pane::Sphere, Pane::Placement]);
+    let spheres = tabs(&[Pane::Sphere, Pane::Placement, Pane::Texture, Pane::Lightmap]);
     let readout = tabs(&[Pane::Readout]);
     let log = tabs(&[Pane::Log]);
     let viewport = tiles.insert_pane(Pane::Viewport);
@@ -167,6 +184,8 @@ struct Frame<'a, 'b> {
     scene: &'a mut scene::State,
     log: &'a mut log::State,
     plan: &'a mut plan::State,
+    texture: &'a mut texture::State,
+    lightmap: &'a mut lightmap::State,
     pick: &'a mut Option<Pick>,
     size: &'a mut egui::Vec2,
     settled: &'a mut bool,
@@ -215,6 +234,8 @@ impl Frame<'_, '_> {
             }
             Pane::Readout => readout::show(ui, self.pick.as_ref()),
             Pane::Placement => placement::show(ui, session, &mut self.out),
+            Pane::Texture => texture::show(ui, self.texture, session, &mut self.out),
+            Pane::Lightmap => lightmap::show(ui, self.lightmap, session, &mut self.out),
             Pane::Log => log::show(ui, self.log, &session.log),
             Pane::Plan => plan::show(ui, self.plan, session, &mut self.out),
         }

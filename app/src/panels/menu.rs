@@ -43,6 +43,7 @@ fn file(ui: &mut Ui, session: &Session, recent: &[PathBuf], out: &mut Vec<Comman
         });
     });
     item(ui, "Add a model to the scene…", "", open, Command::Dialog(Dialog::AddModel), out);
+    item(ui, "Compare with a lightmap…", "", open, Command::Dialog(Dialog::Lightmap), out);
     ui.separator();
     let save = match &session.file {
         Some(path) => Command::SaveSession(path.clone()),

@@ -5,6 +5,7 @@ pub mod dock;
 pub mod empty;
 pub mod help;
 pub mod layers;
+pub mod lightmap;
 pub mod log;
 pub mod menu;
 pub mod notice;
@@ -13,6 +14,7 @@ pub mod plan;
 pub mod readout;
 pub mod scene;
 pub mod status;
+pub mod texture;
 pub mod views;
 pub mod volumes;
 

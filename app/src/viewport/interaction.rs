@@ -290,6 +290,7 @@ fn click(screen: &Screen, input: &ViewportInput<'_>, at: Pos2, view: &mut View, 
             let pick = Pick::at(solution, &surface);
             view.selected = Some(pick.target);
             view.probe = Some(pick.probe());
+            view.surface = Some(pick.surface());
             out.pick = Some(pick);
         }
         _ => view.selected = None,

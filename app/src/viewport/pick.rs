@@ -1,5 +1,6 @@
 //! Picking: what lies under the cursor, in numbers.
 
+use crate::grid_view::SurfacePoint;
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::InspectionScene,
@@ -160,6 +161,11 @@ impl Pick {
     /// Where the spheres of this point are opened, and its normal.
     pub fn probe(&self) -> (Vec3, Vec3) {
         (self.position + self.normal * PROBE_OFFSET, self.normal)
+    }
+
+    /// Where that is on its triangle.
+    pub fn surface(&self) -> SurfacePoint {
+        SurfacePoint { triangle: self.triangle, barycentric: self.barycentric, back: self.back }
     }
 }
 

@@ -27,7 +27,7 @@ pub fn show_flat(ui: &mut egui::Ui, legend: &Legend, colours: &FalseColour) -> e
     let font = TextStyle::Small.resolve(ui.style());
     let bar = Rect::from_min_max(rect.min + vec2(8.0, 15.0), pos2(rect.max.x - 8.0, rect.min.y + 15.0 + BAR));
     let painter = ui.painter();
-    title(painter, rect.min + vec2(8.0, 0.0), legend, &font, visuals.text_color());
+    title(painter, rect.min + vec2(8.0, 0.0), legend, &font, visuals.text_color(), true);
     gradient(painter, bar, colours, false);
     painter.rect_stroke(bar, 1.0, outline(visuals), egui::StrokeKind::Outside);
     let mut free = f32::NEG_INFINITY;
@@ -55,7 +55,7 @@ pub fn paint(
     let font = FontId::proportional(11.0);
     let text = visuals.text_color();
     painter.rect_filled(rect, 5.0, visuals.panel_fill.gamma_multiply(0.88));
-    title(painter, rect.min + vec2(8.0, 6.0), legend, &font, text);
+    title(painter, rect.min + vec2(8.0, 6.0), legend, &font, text, false);
     let bar =
         Rect::from_min_max(rect.min + vec2(10.0, 40.0), pos2(rect.min.x + 10.0 + BAR, rect.max.y - 12.0));
     gradient(painter, bar, colours, true);
@@ -80,18 +80,20 @@ pub fn size() -> egui::Vec2 {
     SIZE
 }
 
-fn title(painter: &egui::Painter, at: Pos2, legend: &Legend, font: &FontId, colour: Color32) {
+/// Quantity and unit, on one line or on two.
+fn title(painter: &egui::Painter, at: Pos2, legend: &Legend, font: &FontId, colour: Color32, one_line: bool) {
     let first = painter.text(at, Align2::LEFT_TOP, &legend.quantity, font.clone(), colour);
     if legend.unit.is_empty() {
         return;
     }
-    let flat = painter.clip_rect().width() > 0.0 && font.size < 10.5;
-    let (place, unit) = if flat {
-        (pos2(first.max.x + 4.0, at.y), format!("in {}", legend.unit))
-    } else {
-        (pos2(at.x, first.max.y + 1.0), format!("in {}", legend.unit))
-    };
-    painter.text(place, Align2::LEFT_TOP, unit, font.clone(), colour.gamma_multiply(0.75));
+    let place = if one_line { pos2(first.max.x + 4.0, at.y) } else { pos2(at.x, first.max.y + 1.0) };
+    painter.text(
+        place,
+        Align2::LEFT_TOP,
+        format!("in {}", legend.unit),
+        font.clone(),
+        colour.gamma_multiply(0.75),
+    );
 }
 
 fn outline(visuals: &egui::Visuals) -> Stroke {

@@ -1,6 +1,7 @@
 //! Widgets that show a quantity of light: legends, spheres, plots, tables.
 
 pub mod beside;
+pub mod field;
 pub mod legend;
 pub mod moments;
 pub mod number;

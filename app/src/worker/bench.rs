@@ -6,6 +6,8 @@ use super::{
 };
 use crate::{
     export::{self, ExportRequest},
+    grid_view::{GridRequest, GridWork},
+    lightmaps::{JudgedLightmap, LightmapFile},
     pipeline,
     placement::Placement,
 };
@@ -35,6 +37,9 @@ enum Task {
     Export(Box<ExportRequest>),
     Reference(Option<ReferenceRequest>, u64),
     MoreSamples,
+    Texture(Option<GridRequest>),
+    MoreTexture,
+    Lightmap(LightmapFile),
     OtherVolume(VolumeSource),
     Dress,
 }
@@ -48,6 +53,8 @@ pub(super) struct Bench {
     solution: Option<Arc<LightTransportSolution>>,
     /// The reference in the making, and the number of its request.
     reference: Option<(pipeline::ReferenceWork, u64)>,
+    /// The texture of the surface that was clicked.
+    texture: Option<GridWork>,
     /// Nodes of the copies, and of which object of which scene.
     copied: Option<(usize, Arc<Mesh>, Arc<DynamicObject>)>,
     /// Whether the last task was light: then what is watched of it goes first.
@@ -56,7 +63,17 @@ pub(super) struct Bench {
 
 impl Bench {
     pub(super) fn new(shared: Arc<Shared>, news: Sender<News>, wake: Box<dyn Fn() + Send>) -> Self {
-        Self { shared, news, wake, live: None, solution: None, reference: None, copied: None, lit: false }
+        Self {
+            shared,
+            news,
+            wake,
+            live: None,
+            solution: None,
+            reference: None,
+            texture: None,
+            copied: None,
+            lit: false,
+        }
     }
 
     /// Works until told to quit.
@@ -84,6 +101,9 @@ impl Bench {
                 }
                 Task::Reference(request, number) => self.begin_reference(request, number),
                 Task::MoreSamples => self.more_samples(),
+                Task::Texture(request) => self.texture(request),
+                Task::Lightmap(file) => self.lightmap(&file),
+                Task::MoreTexture => self.more_texture(),
                 Task::OtherVolume(source) => self.other_volume(&source),
                 Task::Dress => self.dress(),
             }
@@ -135,8 +155,18 @@ impl Bench {
         if let Some(request) = slots.inspect.take() {
             return Some(Task::Inspect(Box::new(request)));
         }
+        if self.solution.is_some()
+            && let Some(request) = slots.texture.take()
+        {
+            return Some(Task::Texture(request));
+        }
         if std::mem::take(&mut slots.refine) {
             return Some(Task::Refine);
+        }
+        if self.solution.is_some()
+            && let Some(file) = slots.lightmap.take()
+        {
+            return Some(Task::Lightmap(file));
         }
         if let Some(request) = slots.exports.pop_front() {
             return Some(Task::Export(Box::new(request)));
@@ -151,6 +181,9 @@ impl Bench {
         {
             return Some(Task::Reference(request, slots.references));
         }
+        if self.texture.as_ref().is_some_and(GridWork::wants_more) {
+            return Some(Task::MoreTexture);
+        }
         self.reference.as_ref().is_some_and(|r| !r.0.is_done()).then_some(Task::MoreSamples)
     }
 
@@ -160,6 +193,7 @@ impl Bench {
             self.live = None;
             self.solution = None;
             self.reference = None;
+            self.texture = None;
             self.tell(News::Loaded(Box::new(loaded)));
         }
     }
@@ -297,6 +331,41 @@ impl Bench {
             }
             _ => None,
         };
+    }
+
+    fn texture(&mut self, request: Option<GridRequest>) {
+        let known = self.texture.take();
+        if let (Some(request), Some(solution)) = (request, self.solution.clone()) {
+            let made = self.job("Making a texture", Rank::Stop, |_, progress| {
+                progress.begin("texture");
+                let work = GridWork::new(known, &solution, &request);
+                Ok(work.map(|work| (Arc::new(work.view()), work)))
+            });
+            let Some(made) = made else { return };
+            let (view, work) = made.unzip();
+            self.texture = work;
+            self.tell(News::Texture(view));
+        }
+    }
+
+    fn lightmap(&mut self, file: &LightmapFile) {
+        let Some(solution) = self.solution.clone() else { return };
+        let judged = self.job("Judging a lightmap", Rank::Stop, |_, progress| {
+            progress.begin("lightmap");
+            JudgedLightmap::new(file, &solution)
+        });
+        if let Some(judged) = judged {
+            self.tell(News::Lightmap(Arc::new(judged)));
+        }
+    }
+
+    fn more_texture(&mut self) {
+        let Some(mut work) = self.texture.take() else { return };
+        let done = self.job("Path tracing a texture", Rank::Any, |_, progress| work.more(progress));
+        if let Some(view) = done {
+            self.tell(News::Texture(Some(Arc::new(view))));
+        }
+        self.texture = Some(work);
     }
 
     fn other_volume(&mut self, source: &VolumeSource) {

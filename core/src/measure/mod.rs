@@ -3,6 +3,7 @@
 //! Several numbers and not one: squared errors weigh fireflies, relative ones weigh shadows, FLIP and
 //! the perceptual difference weigh what is seen, signed ones tell bias from noise.
 
+pub mod grid_texture;
 pub mod image;
 pub mod irradiance;
 pub mod perceptual;

@@ -122,16 +122,21 @@ pub fn second_difference(solution: &RadiositySolution, world: &World) -> Inspect
     view
 }
 
-/// Lines from the element nearest to a point to the elements it takes most light from, each as bright as
-/// its share of E = Σ B/N over the rays that met it; the notes name the largest shares.
-pub fn links(solution: &RadiositySolution, at: Vec3) -> Option<InspectionScene> {
+/// Lines from an element to the elements it takes most light from, each as bright as its share of
+/// E = Σ B/N over the rays that met it; the notes name the largest shares. An element without rays of its own
+/// gives way to the nearest one that faces the same way; `None` where there is none.
+pub fn links(solution: &RadiositySolution, element: u32) -> Option<InspectionScene> {
     let (elements, transport) = (solution.elements(), solution.transport());
-    let nearest = (0..elements.len())
-        .filter(|&i| transport.row(i as u32).iter().any(|&h| (h as usize) < elements.len()))
-        .min_by(|&a, &b| {
-            let distance = |i: usize| elements[i].position.distance_squared(at);
-            distance(a).total_cmp(&distance(b))
-        })?;
+    let picked = elements.get(element as usize)?;
+    let meets = |i: usize| transport.row(i as u32).iter().any(|&h| (h as usize) < elements.len());
+    let alike = |i: &usize| elements[*i].geometric_normal.dot(picked.geometric_normal) > 0.5;
+    let distance = |i: usize| elements[i].position.distance_squared(picked.position);
+    let nearest = if meets(element as usize) {
+        element as usize
+    } else {
+        let others = (0..elements.len()).filter(alike).filter(|&i| meets(i));
+        others.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?
+    };
     let mut given: BTreeMap<u32, f32> = BTreeMap::new();
     for &hit in transport.row(nearest as u32) {
         if let Some(radiosity) = solution.radiosity().get(hit as usize) {

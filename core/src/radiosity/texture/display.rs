@@ -9,7 +9,7 @@ use super::RadiosityTexture;
 use glam::{Vec2, Vec3};
 
 /// How texels become a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Filter {
     /// The nearest texel.
     Nearest,

@@ -1,0 +1,143 @@
+//! A lightmap baked elsewhere: itself, how far it is from our light, and its faults.
+
+use super::section;
+use crate::{
+    command::{Command, Dialog},
+    lightmaps::{Fault, JudgedLightmap, LightmapFile},
+    session::Session,
+    widgets::{
+        field::{Field, bulk},
+        legend,
+    },
+};
+use egui::{Color32, DragValue, Grid, RichText, Sense, Ui, vec2};
+use lumenscope_core::{
+    inspection::Legend,
+    math::false_colour::{FalseColour, Palette},
+};
+use std::{fmt::Write as _, sync::Arc};
+
+/// What the panel keeps between frames: the images of what it shows.
+#[derive(Default)]
+pub struct State {
+    of: Option<Arc<JudgedLightmap>>,
+    fields: Vec<Field>,
+    colours: Option<FalseColour>,
+}
+
+/// Shows the lightmap, its difference to ours and its faults.
+pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let hint = "A lightmap over the texture coordinates of the scene: irradiance in lx as .exr or .hdr, or .png. \
+                    It can also be dropped onto the window.";
+        if ui.button("Open a lightmap…").on_hover_text(hint).clicked() {
+            out.push(Command::Dialog(Dialog::Lightmap));
+        }
+        if let Some(file) = &session.lightmap_file {
+            white(ui, file, out);
+        }
+    });
+    let Some(file) = &session.lightmap_file else {
+        ui.weak("A lightmap baked by another program is held against our light, texel by texel, and its faults are \
+                 pointed out.");
+        return;
+    };
+    ui.label(file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy());
+    let Some(judged) = &session.lightmap else {
+        ui.weak("It is held against our light as soon as that has settled.");
+        return;
+    };
+    if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, judged)) {
+        state.draw(judged);
+    }
+    let aspect = judged.map.height as f32 / judged.map.width.max(1) as f32;
+    let width = ((ui.available_width() - 8.0) / 2.0).clamp(60.0, 300.0);
+    for pair in state.fields.chunks_mut(2) {
+        ui.horizontal_top(|ui| {
+            for field in pair {
+                field.show(ui, width, aspect);
+            }
+        });
+    }
+    if let Some(colours) = state.colours {
+        bar(ui, "irradiance", &colours);
+    }
+    bar(ui, "lightmap − ours", &judged.difference_colours());
+    section(ui, "Faults", |ui| faults(ui, judged));
+}
+
+fn white(ui: &mut Ui, file: &LightmapFile, out: &mut Vec<Command>) {
+    let mut white = file.white;
+    let speed = f64::from(white) * 0.01;
+    let number = DragValue::new(&mut white).range(1e-3..=1e6).speed(speed).prefix("white ").suffix(" lx");
+    let number = super::named(ui.add(number), "White of the lightmap");
+    if number.on_hover_text("Irradiance of white in a .png, or of 1 in the others").changed() {
+        out.push(Command::Lightmap(LightmapFile { white, ..file.clone() }));
+    }
+}
+
+impl State {
+    fn draw(&mut self, judged: &Arc<JudgedLightmap>) {
+        let (ours, size) = (judged.ours(), [judged.map.width, judged.map.height]);
+        let (difference, faults) = (judged.difference(), judged.fault_pixels());
+        let covered = |i: usize| difference[i].is_some();
+        let lit = (0..ours.pixels.len()).filter(|&i| covered(i));
+        let high = bulk(lit.map(|i| ours.pixels[i]));
+        let light = FalseColour { palette: Palette::Viridis, low: 0.0, high, logarithmic: false };
+        self.fields = vec![
+            Field::new("lightmap", &judged.map, &light, |_| true),
+            Field::new("our light on it", &ours, &light, covered),
+            Field::signed("difference", size, &judged.difference_colours(), |i| difference[i]),
+            Field::of_pixels("faults", size, faults.into_iter()),
+        ];
+        self.colours = Some(light);
+        self.of = Some(judged.clone());
+    }
+}
+
+fn bar(ui: &mut Ui, quantity: &str, colours: &FalseColour) {
+    let range = [colours.low, colours.high];
+    legend::show_flat(
+        ui,
+        &Legend { quantity: quantity.into(), unit: "lx".into(), range, names: &[] },
+        colours,
+    );
+}
+
+fn faults(ui: &mut Ui, judged: &JudgedLightmap) {
+    Grid::new("faults").num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+        for fault in Fault::ALL {
+            let (count, of) = judged.count(fault);
+            let [r, g, b] = fault.colour();
+            let (patch, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+            ui.painter().rect_filled(patch, 2.0, Color32::from_rgb(r, g, b));
+            ui.label(fault.name()).on_hover_text(fault.meaning());
+            ui.label(RichText::new(format!("{count} {of}")).monospace());
+            ui.end_row();
+        }
+    });
+    ui.label(format!(
+        "{} texels covered, {} triangles off the map; relative to ours: median {:.1} %, 95th percentile {:.1} %",
+        judged.report.texels.len(),
+        judged.report.unmapped.len(),
+        100.0 * judged.errors.median,
+        100.0 * judged.errors.percentile_95
+    ))
+    .on_hover_text("|E − ours| / max(ours, 5 % of its mean) over the texels that a triangle covers");
+    if ui.button("Copy the faults").on_hover_text("Copies the numbers, tab-separated").clicked() {
+        ui.ctx().copy_text(text(judged));
+    }
+}
+
+/// The numbers, tab-separated.
+pub fn text(judged: &JudgedLightmap) -> String {
+    let mut text = String::new();
+    for fault in Fault::ALL {
+        let (count, of) = judged.count(fault);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}\t{count}\t{of}", fault.name());
+    }
+    let _ = writeln!(text, "median error\t{}\t", judged.errors.median);
+    let _ = writeln!(text, "95th percentile of the error\t{}\t", judged.errors.percentile_95);
+    text
+}

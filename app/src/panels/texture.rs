@@ -1,0 +1,253 @@
+//! The texture of the surface that was clicked, at its three stages, beside what the path tracer says.
+
+use super::{edit_view, named, number, section};
+use crate::{
+    command::Command,
+    grid_view::{GridView, Traced},
+    session::Session,
+    widgets::{
+        field::{Field, bulk},
+        legend,
+    },
+};
+use egui::{ComboBox, Grid, RichText, Slider, Ui};
+use lumenscope_core::{
+    inspection::Legend,
+    math::{
+        colour::luminance,
+        false_colour::{FalseColour, Palette},
+    },
+    measure::grid_texture::{GridReference, Prefilter, StageSettings},
+    radiosity::texture::{display::Filter, prefilter::WIDEST},
+};
+use std::{fmt::Write as _, sync::Arc};
+
+/// Pixels along the longer edge of a stage's picture.
+const PIXELS: f32 = 192.0;
+
+/// The names of the stages.
+const NAMES: [&str; 3] = ["1 stored", "2 Hermite", "3 prefiltered"];
+
+/// What the panel keeps between frames: the images of what it shows.
+#[derive(Default)]
+pub struct State {
+    of: Option<Arc<GridView>>,
+    stages: Vec<Field>,
+    differences: Vec<Field>,
+    reference: Option<Field>,
+    light: Option<FalseColour>,
+    difference: Option<FalseColour>,
+}
+
+/// Shows the stages, how they are made, and their numbers.
+pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Command>) {
+    let view = &session.document.view;
+    if view.surface.is_none() {
+        ui.weak(
+            "Click a surface to see the texture of its light: as the solver stores it, as a smooth function \
+                 resamples it, and as a prefilter and a lookup show it.",
+        );
+        return;
+    }
+    edit_view(view, out, |view| {
+        section(ui, "Stages", |ui| settings(ui, &mut view.stages));
+        let hint = format!(
+            "Irradiance of the surface by the path tracer, at the middles of equal cells: what every stage should be. \
+             {} paths a point, in the background.",
+            GridReference::PATHS * GridReference::ENOUGH
+        );
+        ui.checkbox(&mut view.traced_texture, "Compare with the path tracer").on_hover_text(hint);
+    });
+    let Some(shown) = &session.texture else {
+        ui.weak("This surface has no texture: it is curved or small, and lit at its corners.");
+        return;
+    };
+    if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, shown)) {
+        state.draw(shown);
+    }
+    let grid = &shown.grid;
+    ui.add_space(4.0);
+    ui.label(RichText::new(format!(
+        "Grid {}: {} × {} nodes over {:.2} × {:.2} m",
+        grid.chart, grid.nodes[0], grid.nodes[1], grid.size_m.x, grid.size_m.y
+    )));
+    let aspect = grid.size_m.y / grid.size_m.x.max(1e-6);
+    let width = ((ui.available_width() - 16.0) / 3.0).clamp(40.0, 240.0);
+    let mut pointed = None;
+    ui.horizontal_top(|ui| {
+        for (i, field) in state.stages.iter_mut().enumerate() {
+            pointed = field.show(ui, width, aspect).map(|at| (i, at)).or(pointed);
+        }
+    });
+    bar(ui, "irradiance", state.light);
+    if let Some(traced) = &shown.reference {
+        ui.horizontal_top(|ui| {
+            for field in &mut state.differences {
+                field.show(ui, width, aspect);
+            }
+        });
+        bar(ui, "difference to the path tracer", state.difference);
+        ui.horizontal_top(|ui| {
+            if let Some(field) = &mut state.reference {
+                field.show(ui, width, aspect);
+            }
+            ui.vertical(|ui| {
+                ui.label(format!("{} paths a point", traced.paths));
+                ui.label(format!("{:.1} % noise", 100.0 * traced.noise)).on_hover_text(
+                    "Median standard error of the reference over max(E, 5 % of its mean): errors of the stages \
+                     below it cannot be told from noise.",
+                );
+                ui.label(format!("{} × {} points", grid.points[0], grid.points[1]));
+            });
+        });
+    }
+    if let Some((stage, [x, y])) = pointed {
+        let value = shown.stages[stage].texture.sample(glam::Vec2::new(x, y), shown.stages[stage].filter);
+        ui.label(format!(
+            "stage {}: {} lx at {:.2} m, {:.2} m",
+            stage + 1,
+            number(luminance(value)),
+            x * grid.size_m.x,
+            y * grid.size_m.y
+        ));
+    }
+    numbers(ui, shown);
+}
+
+fn settings(ui: &mut Ui, settings: &mut StageSettings) {
+    let lookup = |ui: &mut Ui, value: &mut Filter, choices: [(Filter, &str); 2]| {
+        ui.horizontal(|ui| {
+            for (filter, name) in choices {
+                ui.selectable_value(value, filter, name);
+            }
+        });
+    };
+    Grid::new("stages").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        ui.label("1 lookup").on_hover_text("The nodes of the surface's grid as the solver has them, and their lookup");
+        lookup(ui, &mut settings.stored, [(Filter::Nearest, "nearest"), (Filter::Bilinear, "bilinear")]);
+        ui.end_row();
+        ui.label("2 texels").on_hover_text(
+            "The C¹ function of bicubic Hermite patches through the nodes, and how many texels of it are taken from \
+             each node to the next",
+        );
+        ui.spacing_mut().slider_width = 74.0;
+        named(ui.add(Slider::new(&mut settings.factor, 1..=4).suffix("× texels")), "Texels of stage 2");
+        ui.end_row();
+        ui.label("3 prefilter").on_hover_text(
+            "A Gaussian over the texels, of binomial weights, so that bilinear display shows no creases; adaptive: the \
+             widest up to 5 × 5 that moves no texel by more than 2 %",
+        );
+        let name = |prefilter: Prefilter| match prefilter {
+            Prefilter::Adaptive => "adaptive".to_owned(),
+            Prefilter::Gaussian(1) => "none".to_owned(),
+            Prefilter::Gaussian(width) => format!("Gauss {width} × {width}"),
+        };
+        let list = ComboBox::from_id_salt("prefilter").selected_text(name(settings.prefilter));
+        let list = list.show_ui(ui, |ui| {
+            for choice in std::iter::once(Prefilter::Adaptive).chain((1..=WIDEST).map(Prefilter::Gaussian)) {
+                ui.selectable_value(&mut settings.prefilter, choice, name(choice));
+            }
+        });
+        named(list.response, "Prefilter");
+        ui.end_row();
+        ui.label("3 lookup").on_hover_text(
+            "Bilinear, as graphics cards have it; or the bicubic filter of Mitchell and Netravali with B = C = 1/3",
+        );
+        // The lookup of stage 1 has a "bilinear" too.
+        ui.push_id("display", |ui| {
+            let choices = [(Filter::Bilinear, "bilinear"), (Filter::Mitchell, "Mitchell–Netravali")];
+            lookup(ui, &mut settings.shown, choices);
+        });
+        ui.end_row();
+    });
+}
+
+impl State {
+    fn draw(&mut self, shown: &Arc<GridView>) {
+        let grid = &shown.grid;
+        let scale = PIXELS / grid.size_m.max_element().max(1e-6);
+        let size = [grid.size_m.x, grid.size_m.y].map(|m| ((m * scale) as u32).clamp(2, PIXELS as u32));
+        let pictures: Vec<_> = shown.stages.iter().map(|s| s.picture(size)).collect();
+        let high = bulk(pictures.iter().flat_map(|p| p.pixels.iter().copied()));
+        let light = FalseColour { palette: Palette::Viridis, low: 0.0, high, logarithmic: false };
+        self.light = Some(light);
+        self.stages =
+            pictures.iter().zip(NAMES).map(|(p, name)| Field::new(name, p, &light, |_| true)).collect();
+        (self.differences, self.reference) = (Vec::new(), None);
+        if let Some(traced) = &shown.reference {
+            let known = |i: usize| grid.is_judged(i);
+            let at_points: Vec<_> = shown.stages.iter().map(|s| grid.at_points(s)).collect();
+            let off = |s: usize, i: usize| at_points[s].pixels[i] - traced.image.pixels[i];
+            let all = (0..3).flat_map(|s| (0..traced.image.pixels.len()).map(move |i| (s, i)));
+            let most = bulk(all.filter(|(_, i)| known(*i)).map(|(s, i)| off(s, i)));
+            let colours = FalseColour::over([-most, most], Palette::Diverging);
+            self.difference = Some(colours);
+            let difference = |s: usize| {
+                let value = |i: usize| known(i).then(|| luminance(off(s, i)));
+                Field::signed(format!("stage {} − path tracer", s + 1), grid.points, &colours, value)
+            };
+            self.differences = (0..3).map(difference).collect();
+            self.reference = Some(Field::new("path tracer", &traced.image, &light, known));
+        }
+        self.of = Some(shown.clone());
+    }
+}
+
+fn bar(ui: &mut Ui, quantity: &str, colours: Option<FalseColour>) {
+    let Some(colours) = colours else { return };
+    let range = [colours.low, colours.high];
+    let shown = Legend { quantity: quantity.into(), unit: "lx".into(), range, names: &[] };
+    legend::show_flat(ui, &shown, &colours);
+}
+
+/// Columns of the numbers, and what they mean.
+const COLUMNS: [(&str, &str); 5] = [
+    ("texels", "Texels of the texture"),
+    ("bytes", "Bytes they take, three channels in single precision"),
+    ("relMSE", "Mean of (E − E_ref)² / (E_ref² + ε) over the points judged"),
+    ("perceptual", "Difference of lightness, each frequency weighted by the eye's sensitivity to contrast"),
+    ("worst, lx", "Largest difference of illuminance, E − E_ref"),
+];
+
+fn row(shown: &GridView, stage: usize) -> [String; 5] {
+    let error = shown.reference.as_ref().and_then(|r: &Traced| r.errors[stage]);
+    let [rel_mse, perceptual, worst] = match error {
+        Some(e) => {
+            [format!("{:.5}", e.rel_mse), format!("{:.5}", e.perceptual), format!("{:+.1}", e.largest_lx)]
+        }
+        None => ["–".to_owned(), "–".to_owned(), "–".to_owned()],
+    };
+    let stage = &shown.stages[stage];
+    [stage.texels().to_string(), stage.bytes().to_string(), rel_mse, perceptual, worst]
+}
+
+fn numbers(ui: &mut Ui, shown: &GridView) {
+    ui.add_space(4.0);
+    Grid::new("stage numbers").num_columns(6).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
+        ui.label("");
+        for (name, meaning) in COLUMNS {
+            ui.label(RichText::new(name).small()).on_hover_text(meaning);
+        }
+        ui.end_row();
+        for (i, name) in NAMES.into_iter().enumerate() {
+            ui.label(name);
+            for text in row(shown, i) {
+                ui.label(RichText::new(text).small().monospace());
+            }
+            ui.end_row();
+        }
+    });
+    if ui.button("Copy the stages' numbers").on_hover_text("Copies the table, tab-separated").clicked() {
+        ui.ctx().copy_text(text(shown));
+    }
+}
+
+/// The numbers, tab-separated.
+pub fn text(shown: &GridView) -> String {
+    let mut text = format!("stage\t{}\n", COLUMNS.map(|c| c.0).join("\t"));
+    for (i, name) in NAMES.into_iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name}\t{}", row(shown, i).join("\t"));
+    }
+    text
+}

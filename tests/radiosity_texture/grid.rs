@@ -1,0 +1,98 @@
+//! The texture of one grid of a solved scene, stage by stage, against the path tracer.
+
+use glam::Vec3;
+use lumenscope_core::{
+    math::{colour::luminance, progress::Progress},
+    measure::grid_texture::{GridReference, GridTexture, Prefilter, StageSettings},
+    radiosity::texture::display::Filter,
+};
+use lumenscope_tests::{box_room, cornell, solved};
+use std::f32::consts::PI;
+
+#[test]
+fn a_furnace_is_as_bright_at_every_stage_as_the_path_tracer_says() {
+    let solution = solved(box_room(0.5, 10.0), 0.5);
+    let grid = GridTexture::of_element(&solution.radiosity, 0).expect("a wall has a grid");
+    assert!((grid.size_m.x - 2.0).abs() < 1e-4 && (grid.size_m.y - 2.0).abs() < 1e-4, "{}", grid.size_m);
+    // Radiance 20 cd/m² from everywhere: 20 π lx. Gathering stops within 1e-3, and 64 rays see half of it.
+    let exact = 20.0 * PI;
+    let mut reference = GridReference::new(&grid, 1);
+    reference.more(&grid, &solution.world, &Progress::silent()).unwrap();
+    let traced = reference.mean(&grid);
+    let noise = reference.noise(&grid) as f32;
+    assert!(noise > 0.0 && noise < 0.1, "{noise}");
+    let count = traced.pixels.len() as f32;
+    // Points are independent: four standard errors of their mean.
+    let off = luminance(traced.mean()) / exact - 1.0;
+    assert!(off.abs() < 4.0 * noise / count.sqrt(), "{off} with a noise of {noise} at {count} points");
+    for stage in grid.stages(&StageSettings::default()) {
+        let most =
+            stage.picture([16; 2]).pixels.iter().map(|p| (p.x / exact - 1.0).abs()).fold(0.0, f32::max);
+        assert!(most < 0.02, "{most}");
+        let error = grid.judge(&stage, &traced).unwrap();
+        // What differs is the noise of the reference alone.
+        assert!(error.rel_mse < f64::from(4.0 * noise * noise), "{error:?}, noise {noise}");
+    }
+    let stopped = Progress::silent();
+    stopped.cancel();
+    assert!(reference.more(&grid, &solution.world, &stopped).is_err());
+    assert_eq!(reference.paths(), GridReference::PATHS, "a pass that was stopped does not count");
+}
+
+#[test]
+fn the_smooth_function_passes_through_what_is_stored() {
+    let solution = solved(cornell(), 0.25);
+    let elements = solution.radiosity.elements();
+    let floor = (0..elements.len() as u32)
+        .find(|&i| elements[i as usize].normal.y > 0.99 && elements[i as usize].position.y.abs() < 1e-3);
+    let grid = GridTexture::of_element(&solution.radiosity, floor.expect("a floor")).expect("a grid");
+    let settings = StageSettings {
+        stored: Filter::Nearest,
+        factor: 1,
+        prefilter: Prefilter::Gaussian(1),
+        shown: Filter::Mitchell,
+    };
+    let [stored, smooth, shown] = grid.stages(&settings);
+    assert_eq!(stored.texels(), (grid.nodes[0] * grid.nodes[1]) as usize);
+    assert_eq!(stored.bytes(), 12 * stored.texels());
+    for (a, b) in stored.texture.image.pixels.iter().zip(&smooth.texture.image.pixels) {
+        // The same numbers through a cubic's weights.
+        assert!((*a - *b).abs().max_element() <= 1e-5 * a.max_element().max(1.0), "{a} {b}");
+    }
+    assert_eq!(shown.texture, smooth.texture, "a Gaussian of one texel changes nothing");
+    let fine = &grid.stages(&StageSettings { factor: 3, ..settings })[1];
+    assert_eq!(fine.texture.image.width, 3 * (grid.nodes[0] - 1) + 1);
+    assert!(fine.texture.image.pixels.iter().all(|p| p.cmpge(Vec3::ZERO).all()));
+    // A point over the floor's edge is asked from inside: all of this grid is floor.
+    assert!((0..(grid.points[0] * grid.points[1]) as usize).all(|i| grid.is_judged(i)));
+}
+
+#[test]
+fn a_wall_is_shown_as_one_sees_it_who_stands_before_it() {
+    let solution = solved(cornell(), 0.25);
+    let elements = solution.radiosity.elements();
+    let at = |p: Vec3, n: Vec3| {
+        let facing = |i: &u32| elements[*i as usize].geometric_normal.dot(n) > 0.99;
+        let wall = (0..elements.len() as u32).filter(facing);
+        wall.min_by(|&a, &b| {
+            let far = |i: u32| elements[i as usize].position.distance(p);
+            far(a).total_cmp(&far(b))
+        })
+    };
+    // Behind the block that stands to the left, the back wall is darker on its left and, away from the panel
+    // under the ceiling, below.
+    let back = at(Vec3::new(0.0, 1.0, -1.0), Vec3::Z).expect("a back wall");
+    let grid = GridTexture::of_element(&solution.radiosity, back).expect("a grid");
+    let picture = grid.stages(&StageSettings::default())[0].picture([16; 2]);
+    let mean = |inside: &dyn Fn(u32, u32) -> bool| {
+        let pixels: Vec<f32> = (0..256u32)
+            .filter(|i| inside(i % 16, i / 16))
+            .map(|i| luminance(picture.pixels[i as usize]))
+            .collect();
+        pixels.iter().sum::<f32>() / pixels.len() as f32
+    };
+    let (left, right) = (mean(&|x, y| x < 8 && y > 7), mean(&|x, y| x > 7 && y > 7));
+    assert!(left < 0.9 * right, "left {left} lx, right {right} lx");
+    let (top, bottom) = (mean(&|_, y| y < 6), mean(&|_, y| y > 9));
+    assert!(bottom < top, "top {top} lx, bottom {bottom} lx");
+}
