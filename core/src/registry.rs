@@ -13,7 +13,7 @@ use crate::{
         slice,
     },
     math::part::Part,
-    mirror::{MirrorSettings, inspect as mirror},
+    mirror::{MirrorSettings, images::inspect::images as mirror_images, inspect as mirror},
     radiosity::{inspect as radiosity, inspect_trees as layout},
     transport::LightTransportSolution,
 };
@@ -173,6 +173,13 @@ pub const VIEWS: &[ViewRow] = &[
         title: "Reflectance by angle",
         tooltip: "How much each polished material reflects, from the normal (the middle of its map) to grazing (the rim): the Fresnel equation of an index fitted to the reflectance at normal incidence, per channel.",
         build: |input| mirror::reflectance(&input.solution.world.geometry),
+    },
+    ViewRow {
+        id: "mirror.images",
+        systems: &["B8", "B9", "B11"],
+        title: "Images-with-depth",
+        tooltip: "Where pictures with depth are taken behind every flat reflector that the scene's camera sees, with the pyramids of the two nearest to the mirrored eye in orange; beside the scene what those two show of the mirrors, reprojected point by point, with the holes that they leave in magenta.",
+        build: |input| mirror_images(input.solution),
     },
     ViewRow {
         id: "glossy.kernel",

@@ -6,133 +6,171 @@ fn state_of_pixel(pixel: u32) -> u32 {
     return state_of(frame.size, pixel);
 }
 
-// The view, counted from 1, in which a surface shows what it mirrors; 0 for none.
-fn view_through(surface: Surface, seen_in: u32) -> u32 {
-    let reflector = triangles[surface.triangle].reflector;
-    if reflector == NONE || !is_lit(surface) {
-        return 0u;
-    }
+// The view, counted from 1, in which a surface shows what it mirrors; 0 for none. Only reflectors that face
+// the eye have one, so the side that is seen reflects.
+fn view_through(triangle: u32, seen_in: u32) -> u32 {
+    let reflector = triangles[triangle].reflector;
+    var found = 0u;
     for (var i = 0u; i < views.count; i++) {
         if views.list[i].parent == seen_in && views.list[i].reflector == reflector {
-            return i + 1u;
+            found = i + 1u;
         }
     }
-    return 0u;
+    return select(found, 0u, reflector == NONE);
 }
 
-fn add_radiance(state: u32, radiance: vec3f) {
-    for (var i = 0u; i < 3u; i++) {
-        layers[state + i] += layers[state + 3u + i] * radiance[i];
-    }
+// The view of a pixel that reflects, counted from 1; 0 where it has none, and NONE where it does not reflect.
+fn first_view(id: vec2u) -> u32 {
+    let seen = textureLoad(seen_triangles, id, 0).x;
+    let triangle = max(seen, 1u) - 1u;
+    let reflects = seen != 0u && id.x < frame.size.x && materials[triangles[triangle].material].alpha >= 0.0;
+    return select(NONE, view_through(triangle, 0u), reflects);
 }
 
-// Every pixel before its ray has met a mirror.
+// Every pixel before its ray has met a mirror, a run of a row at a time.
 @compute @workgroup_size(8, 8)
 fn begin(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= frame.size) {
+    if id.y >= frame.size.y || id.x * RUN >= frame.size.x {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
-    let seen = textureLoad(seen_triangles, id.xy, 0).x;
-    var view = 0u;
-    if seen != 0u {
-        view = view_through(surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id.xy, frame.subpixel)), 0u);
+    var counts = vec2u(0u);
+    for (var i = 0u; i < RUN; i++) {
+        let x = id.x * RUN + i;
+        let view = first_view(vec2u(x, id.y));
+        counts += vec2u(select(0u, 1u, view != NONE && view != 0u), select(0u, 1u, view == 0u));
+        if x < frame.size.x {
+            let pixel = id.y * frame.size.x + x;
+            let state = state_of_pixel(pixel);
+            let mirrored = view != NONE && view != 0u;
+            layers[state + 6u] = select(NOT_MIRRORED, FAR, mirrored);
+            layers[state + 7u] = select(0.0, f32(view), mirrored);
+            if view == NONE {
+                store(pixel, 3u, vec3f(0.0));
+                store(pixel, 4u, vec3f(0.0));
+            }
+        }
     }
-    let state = state_of_pixel(pixel);
-    for (var i = 0u; i < 3u; i++) {
-        layers[state + i] = 0.0;
-        layers[state + 3u + i] = 1.0;
+    var next = vec2u(0u);
+    if counts.x > 0u {
+        next.x = add_work(WITH_VIEW, counts.x);
     }
-    layers[state + 6u] = select(NOT_MIRRORED, FAR, view != 0u);
-    layers[state + 7u] = f32(view);
+    if counts.y > 0u {
+        next.y = add_work(WITHOUT_VIEW, counts.y);
+    }
+    if counts.x + counts.y > 0u {
+        for (var i = 0u; i < RUN; i++) {
+            let pixel = id.y * frame.size.x + id.x * RUN + i;
+            let view = first_view(vec2u(id.x * RUN + i, id.y));
+            if view == 0u {
+                set_work(frame.size, WITHOUT_VIEW, next.y, pixel);
+                next.y += 1u;
+            } else if view != NONE {
+                set_work(frame.size, WITH_VIEW, next.x, pixel);
+                next.x += 1u;
+            }
+        }
+    }
 }
 
-fn follow(id: vec2u, rays: bool) {
-    if any(id >= frame.size) {
-        return;
-    }
-    let pixel = id.y * frame.size.x + id.x;
+fn follow(pixel: u32, rays: bool) {
     let state = state_of_pixel(pixel);
     let number = u32(layers[state + 7u]);
-    if number == 0u {
-        return;
-    }
     let view = views.list[number - 1u];
+    var radiance = vec3f(0.0);
+    var throughput = vec3f(1.0);
+    if view.depth > 1u {
+        radiance = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
+        throughput = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]);
+    }
+    let id = vec2u(pixel % frame.size.x, pixel / frame.size.x);
     let seen = textureLoad(seen_triangles, id, 0).x;
-    if seen == 0u {
-        layers[state + 7u] = 0.0;
-        return;
-    }
-    let uv = (vec2f(id) + frame.subpixel) / vec2f(frame.size);
-    let direction = normalize(
-        view.forward
-        + view.right * ((2.0 * uv.x - 1.0) * frame.half_size.x)
-        + view.up * ((1.0 - 2.0 * uv.y) * frame.half_size.y));
-    let surface = surface_seen(seen - 1u, view.eye, direction);
-    if view.depth == 1u {
-        // From where the ray crosses the reflector's plane.
-        let height = dot(view.clip_normal, surface.position) - view.clip_offset;
-        layers[state + 6u] = height / max(dot(view.clip_normal, direction), 1e-6);
-    }
-    let next = view_through(surface, number);
-    let terms = diffuse_terms(surface, rays, hash2(pixel_scramble(pixel), view.depth));
-    add_radiance(state, terms.emitted + terms.direct + terms.indirect);
-    if next == 0u {
-        add_radiance(state, wide_reflection(surface, -direction));
-    } else {
-        let reflectance = specular_reflectance(specular_at(surface), -dot(direction, surface.geometric_normal));
-        for (var i = 0u; i < 3u; i++) {
-            layers[state + 3u + i] *= reflectance[i];
+    var next = 0u;
+    if seen != 0u {
+        let uv = (vec2f(id) + frame.subpixel) / vec2f(frame.size);
+        let direction = normalize(
+            view.forward
+            + view.right * ((2.0 * uv.x - 1.0) * frame.half_size.x)
+            + view.up * ((1.0 - 2.0 * uv.y) * frame.half_size.y));
+        let surface = surface_seen(seen - 1u, view.eye, direction);
+        if view.depth == 1u {
+            // From where the ray crosses the reflector's plane.
+            let height = dot(view.clip_normal, surface.position) - view.clip_offset;
+            layers[state + 6u] = height / max(dot(view.clip_normal, direction), 1e-6);
         }
+        let stored = stored_light(surface);
+        let terms = diffuse_terms(surface, stored, rays, hash2(pixel_scramble(pixel), view.depth));
+        radiance += throughput * (terms.emitted + terms.direct + terms.indirect);
+        next = view_through(seen - 1u, number);
+        if next == 0u {
+            radiance += throughput * wide_reflection(surface, stored, -direction);
+        } else {
+            throughput *= specular_reflectance(specular_at(surface), -dot(direction, surface.geometric_normal));
+            let list = 1u + (view.depth + 1u) % 2u;
+            set_work(frame.size, list, add_work(list, 1u), pixel);
+        }
+    }
+    for (var i = 0u; i < 3u; i++) {
+        layers[state + i] = radiance[i];
+        layers[state + 3u + i] = throughput[i];
     }
     layers[state + 7u] = f32(next);
 }
 
-@compute @workgroup_size(8, 8)
-fn follow_per_pixel(@builtin(global_invocation_id) id: vec3u) {
-    follow(id.xy, true);
-}
-
-@compute @workgroup_size(8, 8)
-fn follow_elements(@builtin(global_invocation_id) id: vec3u) {
-    follow(id.xy, false);
-}
-
-// What arrived, reflected into the layers mirror and glossy.
-@compute @workgroup_size(8, 8)
-fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= frame.size) {
-        return;
+// Direct light by shadow rays.
+@compute @workgroup_size(WORK_GROUP)
+fn follow_per_pixel(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let count = atomicLoad(&work[step.list * HEAD + 3u]);
+    for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
+        follow(atomicLoad(&work[work_place(frame.size, step.list, i)]), true);
     }
-    let pixel = id.y * frame.size.x + id.x;
-    let seen = textureLoad(seen_triangles, id.xy, 0).x;
-    var mirror = vec3f(0.0);
-    var glossy = vec3f(0.0);
-    if seen != 0u {
-        let direction = pixel_direction(frame, id.xy, frame.subpixel);
-        let surface = surface_seen(seen - 1u, frame.eye, direction);
-        let specular = specular_at(surface);
-        if specular.alpha >= 0.0 {
-            let state = state_of_pixel(pixel);
-            var value: vec3f;
-            if layers[state + 6u] == NOT_MIRRORED {
-                value = wide_reflection(surface, -direction);
-            } else {
-                let arriving = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
-                if layers[state + 7u] < 0.0 {
-                    // Convolved, with the reflectance of its lobe.
-                    value = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]) * arriving;
-                } else {
-                    value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
-                }
-            }
-            if specular.alpha == 0.0 {
-                mirror = value;
-            } else {
-                glossy = value;
-            }
+}
+
+// Direct light from the elements.
+@compute @workgroup_size(WORK_GROUP)
+fn follow_elements(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let count = atomicLoad(&work[step.list * HEAD + 3u]);
+    for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
+        follow(atomicLoad(&work[work_place(frame.size, step.list, i)]), false);
+    }
+}
+
+fn reflect_pixel(pixel: u32, mirrored: bool) {
+    let id = vec2u(pixel % frame.size.x, pixel / frame.size.x);
+    let direction = pixel_direction(frame, id, frame.subpixel);
+    let surface = surface_seen(textureLoad(seen_triangles, id, 0).x - 1u, frame.eye, direction);
+    let specular = specular_at(surface);
+    let state = state_of_pixel(pixel);
+    var value: vec3f;
+    if !mirrored {
+        value = wide_reflection(surface, stored_light(surface), -direction);
+    } else {
+        let arriving = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
+        if layers[state + 7u] < 0.0 {
+            // Convolved, with the reflectance of its lobe.
+            value = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]) * arriving;
+        } else {
+            value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
         }
     }
-    store(pixel, 3u, mirror);
-    store(pixel, 4u, glossy);
+    value = select(vec3f(0.0), value, specular.alpha >= 0.0);
+    store(pixel, 3u, select(vec3f(0.0), value, specular.alpha == 0.0));
+    store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
+}
+
+// What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing.
+@compute @workgroup_size(WORK_GROUP)
+fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let count = atomicLoad(&work[WITH_VIEW * HEAD + 3u]);
+    for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
+        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITH_VIEW, i)]), true);
+    }
+}
+
+// The same of what has no view.
+@compute @workgroup_size(WORK_GROUP)
+fn reflect_as_if_dull(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let count = atomicLoad(&work[WITHOUT_VIEW * HEAD + 3u]);
+    for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
+        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITHOUT_VIEW, i)]), false);
+    }
 }

@@ -30,7 +30,9 @@ fn add_element(sum: ptr<function, StoredLight>, element: u32, weight: f32) {
     }
 }
 
-// Twin of `lookup::blend` and `ElementBlend::sum`.
+// Twin of `lookup::blend` and `ElementBlend::sum`: four elements and their weights for a grid's cell, three
+// for a triangle's corners. One sum serves both, since processors that stand in for a graphics card take
+// every branch.
 fn stored_on_elements(surface: Surface) -> StoredLight {
     var sum = StoredLight(vec3f(0.0), vec3f(0.0));
     let index = 2u * surface.triangle + select(0u, 1u, surface.back);
@@ -44,27 +46,28 @@ fn stored_on_elements(surface: Surface) -> StoredLight {
     let u = surface.barycentric.x;
     let v = surface.barycentric.y;
     let w = 1.0 - u - v;
-    if side.size == 0u {
-        add_element(&sum, side.corners[0], w);
-        add_element(&sum, side.corners[1], u);
-        add_element(&sum, side.corners[2], v);
-        return sum;
-    }
     let nx = side.size & 0xFFFFu;
     let ny = side.size >> 16u;
     let a = vec2f(bitcast<f32>(side.corners[0]), bitcast<f32>(side.corners[1]));
     let b = vec2f(bitcast<f32>(side.corners[2]), bitcast<f32>(side.corners[3]));
     let c = vec2f(bitcast<f32>(side.corners[4]), bitcast<f32>(side.corners[5]));
-    let p = clamp(a * w + b * u + c * v, vec2f(0.0), vec2f(f32(nx - 1u), f32(ny - 1u)));
+    let p = clamp(a * w + b * u + c * v, vec2f(0.0), vec2f(f32(max(nx, 1u) - 1u), f32(max(ny, 1u) - 1u)));
     let x0 = min(u32(p.x), max(nx, 2u) - 2u);
     let y0 = min(u32(p.y), max(ny, 2u) - 2u);
-    let x1 = min(x0 + 1u, nx - 1u);
-    let y1 = min(y0 + 1u, ny - 1u);
+    let x1 = min(x0 + 1u, max(nx, 1u) - 1u);
+    let y1 = min(y0 + 1u, max(ny, 1u) - 1u);
     let f = p - vec2f(f32(x0), f32(y0));
-    add_element(&sum, side.first + y0 * nx + x0, (1.0 - f.x) * (1.0 - f.y));
-    add_element(&sum, side.first + y0 * nx + x1, f.x * (1.0 - f.y));
-    add_element(&sum, side.first + y1 * nx + x0, (1.0 - f.x) * f.y);
-    add_element(&sum, side.first + y1 * nx + x1, f.x * f.y);
+    let row0 = side.first + y0 * nx;
+    let row1 = side.first + y1 * nx;
+    var elements = vec4u(row0 + x0, row0 + x1, row1 + x0, row1 + x1);
+    var weights = vec4f((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    if side.size == 0u {
+        elements = vec4u(side.corners[0], side.corners[1], side.corners[2], side.corners[2]);
+        weights = vec4f(w, u, v, 0.0);
+    }
+    for (var i = 0u; i < 4u; i++) {
+        add_element(&sum, elements[i], weights[i]);
+    }
     return sum;
 }
 
@@ -103,7 +106,7 @@ fn stored_on_moved(record: vec4f, surface: Surface) -> StoredLight {
 // Irradiance from the elements, or from the volume's values at the nodes of a moved object.
 fn stored_light(surface: Surface) -> StoredLight {
     let object = objects[triangles[surface.triangle].object];
-    if object.moved_first == NONE {
+    if !general || object.moved_first == NONE {
         return stored_on_elements(surface);
     }
     return stored_on_moved(moved_light[object.moved_first + surface.triangle - object.first_triangle], surface);

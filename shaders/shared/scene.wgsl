@@ -3,6 +3,10 @@
 const NONE: u32 = 0xFFFFFFFFu;
 const PI: f32 = 3.14159265358979;
 
+// Whether something has been moved or a material has two pictures. Pipelines for scenes without leave out what
+// only those need, since processors that stand in for a graphics card take every branch.
+override general: bool = true;
+
 struct Corner {
     position: vec3f,
     u: f32,
@@ -114,11 +118,15 @@ fn surface_seen(triangle: u32, origin: vec3f, direction: vec3f) -> Surface {
     );
 }
 
+// A place at most one beyond either end of `size`, brought round: division would cost more than the rest.
+fn wrapped(i: i32, size: u32) -> u32 {
+    let n = i32(size);
+    return u32(select(select(i, i - n, i >= n), i + n, i < 0));
+}
+
 fn texel(info: TextureInfo, x: i32, y: i32) -> vec3f {
-    let w = i32(info.width);
-    let h = i32(info.height);
-    let column = u32(((x % w) + w) % w);
-    let row = u32(((y % h) + h) % h);
+    let column = wrapped(x, info.width);
+    let row = wrapped(y, info.height);
     let packed = texels[info.first + row * info.width + column];
     return vec3f(unpack2x16float(packed.x), unpack2x16float(packed.y).x);
 }
@@ -160,6 +168,28 @@ fn emission_at(surface: Surface) -> vec3f {
         return vec3f(0.0);
     }
     return textured(material.emission, material.emission_texture, surface.uv) * objects[info.object].dimmer;
+}
+
+struct Own {
+    reflectance: vec3f,
+    emission: vec3f,
+}
+
+// Reflectance and emission, with one look-up where a material has one picture at most.
+fn own_light(surface: Surface) -> Own {
+    if general {
+        return Own(reflectance_at(surface), emission_at(surface));
+    }
+    let info = triangles[surface.triangle];
+    let material = materials[info.material];
+    let lit = select(1.0, 0.0, surface.back && material.double_sided == 0u);
+    let picture = min(material.reflectance_texture, material.emission_texture);
+    let texel = textured(vec3f(1.0), picture, surface.uv);
+    let coloured = select(vec3f(1.0), texel, material.reflectance_texture != NONE);
+    let glowing = select(vec3f(1.0), texel, material.emission_texture != NONE);
+    return Own(
+        material.reflectance * material.diffuse_share * coloured * lit,
+        material.emission * glowing * (lit * objects[info.object].dimmer));
 }
 
 // Twin of `geometry::offset_origin`.

@@ -70,17 +70,39 @@ fn is_highlighted(p: vec2i) -> bool {
     return seen != 0u && shown[seen - 1u].object == frame.highlighted;
 }
 
-@fragment
-fn composite(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let p = vec2u(position.xy);
-    let pixel = p.y * frame.size.x + p.x;
+fn weighted(pixel: u32) -> vec3f {
     var radiance = layer(pixel, 0u) * settings.weights.x
         + layer(pixel, 1u) * settings.weights.y
         + layer(pixel, 2u) * settings.weights.z;
     if settings.layer_count > 3u {
         radiance += layer(pixel, 3u) * settings.specular_weights.x + layer(pixel, 4u) * settings.specular_weights.y;
     }
-    var colour = vec3f(1.0, 0.0, 1.0);
+    return radiance;
+}
+
+fn encoded(colour: vec3f) -> vec4f {
+    if settings.encode != 0u {
+        return vec4f(srgb_from_linear(colour), 1.0);
+    }
+    return vec4f(colour, 1.0);
+}
+
+const NOT_FINITE: vec3f = vec3f(1.0, 0.0, 1.0);
+
+// Without false colour and without an outline: what most frames are.
+@fragment
+fn composite_plain(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let p = vec2u(position.xy);
+    let radiance = weighted(p.y * frame.size.x + p.x);
+    return encoded(select(NOT_FINITE, tone_curve(radiance * settings.exposure), is_finite(radiance)));
+}
+
+@fragment
+fn composite(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let p = vec2u(position.xy);
+    let pixel = p.y * frame.size.x + p.x;
+    let radiance = weighted(pixel);
+    var colour = NOT_FINITE;
     if is_finite(radiance) {
         colour = display(radiance);
     }
@@ -95,8 +117,5 @@ fn composite(@builtin(position) position: vec4f) -> @location(0) vec4f {
             colour = OUTLINE;
         }
     }
-    if settings.encode != 0u {
-        colour = srgb_from_linear(colour);
-    }
-    return vec4f(colour, 1.0);
+    return encoded(colour);
 }

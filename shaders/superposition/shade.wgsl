@@ -9,7 +9,7 @@ fn shade(id: vec2u, rays: bool) {
     var terms = Terms();
     if seen != 0u {
         let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id, frame.subpixel));
-        terms = diffuse_terms(surface, rays, pixel_scramble(pixel));
+        terms = diffuse_terms(surface, stored_light(surface), rays, pixel_scramble(pixel));
     }
     store(pixel, 0u, terms.emitted);
     store(pixel, 1u, terms.direct);

@@ -9,8 +9,6 @@ struct Terms {
     emitted: vec3f,
     direct: vec3f,
     indirect: vec3f,
-    // By the specular lobe, as if it were as wide as the hemisphere.
-    wide: vec3f,
 }
 
 fn store(pixel: u32, layer: u32, radiance: vec3f) {
@@ -30,30 +28,25 @@ fn pixel_scramble(pixel: u32) -> u32 {
     return hash2(pixel, hash2(frame.frame, frame.seed));
 }
 
-// By the specular lobe, as if it were as wide as the hemisphere.
-fn wide_reflection(surface: Surface, wo: vec3f) -> vec3f {
+// By the specular lobe, as if it were as wide as the hemisphere, of the light stored at a surface.
+fn wide_reflection(surface: Surface, stored: StoredLight, wo: vec3f) -> vec3f {
     let specular = specular_at(surface);
     if specular.alpha < 0.0 {
         return vec3f(0.0);
     }
-    let stored = stored_light(surface);
     return specular_reflectance(specular, dot(wo, surface.normal)) * (1.0 / PI) * (stored.direct + stored.indirect);
 }
 
 // All but the lobe; direct light by shadow rays or from the elements.
-fn diffuse_terms(surface: Surface, rays: bool, scramble: u32) -> Terms {
-    var terms = Terms(emission_at(surface), vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    let reflectance = reflectance_at(surface);
-    if any(reflectance != vec3f(0.0)) {
-        let brdf = reflectance * (1.0 / PI);
-        let stored = stored_light(surface);
-        terms.indirect = brdf * stored.indirect;
-        if rays && objects[triangles[surface.triangle].object].stored_direct == 0u {
-            let origin = offset_origin(surface.position, surface.geometric_normal);
-            terms.direct = brdf * total_irradiance(frame, Receiver(surface.position, surface.normal, origin), scramble);
-        } else {
-            terms.direct = brdf * stored.direct;
-        }
+fn diffuse_terms(surface: Surface, stored: StoredLight, rays: bool, scramble: u32) -> Terms {
+    let own = own_light(surface);
+    var terms = Terms(own.emission, vec3f(0.0), vec3f(0.0));
+    let brdf = own.reflectance * (1.0 / PI);
+    terms.indirect = brdf * stored.indirect;
+    terms.direct = brdf * stored.direct;
+    if rays && any(brdf != vec3f(0.0)) && objects[triangles[surface.triangle].object].stored_direct == 0u {
+        let origin = offset_origin(surface.position, surface.geometric_normal);
+        terms.direct = brdf * total_irradiance(frame, Receiver(surface.position, surface.normal, origin), scramble);
     }
     return terms;
 }

@@ -1,7 +1,9 @@
 //! Specular reflection: materials, mirrors, glossy surfaces.
 
 mod brdf;
+mod culling;
 mod glossy;
+mod images;
 mod planar;
 mod thrown;
 mod views;

@@ -71,3 +71,25 @@ fn mirrors_show_what_the_specification_shows_in_them() {
     gpu.frame(&frame_settings(aside, DirectQuality::Elements));
     assert_eq!((gpu.renderer.mirrored_views(), gpu.layers().get(Layer::Mirror).mean()), (0, Vec3::ZERO));
 }
+
+#[test]
+fn culling_changes_no_pixel() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = mirrored();
+    gpu.upload(&solution);
+    for (eye, target) in [
+        (Vec3::new(0.6, 1.3, 0.8), Vec3::new(-0.8, 0.4, -0.5)),
+        (Vec3::new(-0.2, 0.9, 0.5), Vec3::new(0.9, 0.2, -0.6)),
+    ] {
+        let settings = frame_settings(Camera { eye, target, ..Camera::default() }, DirectQuality::Elements);
+        let mut frame = |culling| {
+            gpu.renderer.set_culling(culling);
+            gpu.frame(&settings);
+            (gpu.triangles(), gpu.layers())
+        };
+        let (culled, whole) = (frame(true), frame(false));
+        assert!(culled.0 == whole.0, "other triangles are seen");
+        assert!(culled.1 == whole.1, "the layers differ");
+    }
+}

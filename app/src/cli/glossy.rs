@@ -187,7 +187,8 @@ fn bands(picture: &LinearImage, reference: &LinearImage, distance: &[f32]) -> an
     Ok(out)
 }
 
-fn flip(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<f64> {
+/// Mean FLIP of two pictures as the display shows them, exposed for the second.
+pub fn flip(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<f64> {
     let display = auto_display(reference);
     let [a, b] = [picture, reference].map(|p| composite::display(p, &display));
     Ok(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.mean)

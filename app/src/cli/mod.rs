@@ -3,8 +3,11 @@
 mod compare;
 mod copies;
 mod cost;
+mod fly;
+mod fly_path;
 mod glossy;
 mod headless;
+mod images;
 mod irradiance;
 mod lightmap;
 mod page;
@@ -92,6 +95,11 @@ enum Job {
     /// What an object lit from the volume costs a frame while it moves.
     #[command(after_help = "Example: lumenscope cost scenes/office/office.ron --model bunny.obj")]
     Cost(cost::Options),
+    /// A recorded walk on the graphics device: frames a second with more and more flat reflectors.
+    #[command(
+        after_help = "Example: lumenscope fly scenes/house/house.ron --path scenes/house/path.csv --frames 120"
+    )]
+    Fly(fly::Options),
     /// A latitude-longitude picture of everything around a point, in cd/m².
     #[command(
         after_help = "Example: lumenscope panorama scenes/office/office.ron --at 0,1.2,0.5 --out p.exr"
@@ -122,6 +130,9 @@ enum Job {
     /// Ways of convolving what glossy surfaces mirror, judged against the path tracer by roughness.
     #[command(after_help = "Example: lumenscope glossy scenes/glossy/teapot.ron --out out")]
     Glossy(glossy::Options),
+    /// Mirrors shown from images-with-depth against those shown from the geometry.
+    #[command(after_help = "Example: lumenscope images scenes/house/house.ron --out out")]
+    Images(images::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
     Check {
@@ -155,6 +166,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Wall(options)) => wall::run(&options, common),
         Some(Job::Copies(options)) => copies::run(&options, common),
         Some(Job::Cost(options)) => cost::run(&options, common),
+        Some(Job::Fly(options)) => fly::run(&options, common),
         Some(Job::Panorama(options)) => panorama::run(&options, common),
         Some(Job::Panoramas(options)) => panorama::volume(&options),
         Some(Job::Reference(options)) => reference::run(&options, common),
@@ -163,6 +175,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Lightmap(options)) => lightmap::run(&options, common),
         Some(Job::Textures(options)) => textures::run(&options),
         Some(Job::Glossy(options)) => glossy::run(&options, common),
+        Some(Job::Images(options)) => images::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
     }

@@ -46,6 +46,9 @@ pub struct Options {
     /// Folder with one folder a room.
     #[arg(long, default_value = "screenshots")]
     out: PathBuf,
+    /// One example alone, as in `example:NAME`, without the window's tour but for the house.
+    #[arg(long)]
+    only: Option<String>,
 }
 
 /// Size of the tour's pictures, pixels.
@@ -56,7 +59,9 @@ const SIZE: [u32; 2] = [640, 360];
 /// # Errors
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
-    for example in Example::ALL {
+    let wanted =
+        |e: &Example| options.only.as_ref().is_none_or(|name| e.key().strip_prefix("example:") == Some(name));
+    for example in Example::ALL.into_iter().filter(wanted) {
         let path = examples::resolve(Path::new(example.key()))?;
         let folder = options.out.join(path.file_stem().unwrap_or_default());
         solve::output_folder(&folder)?;
@@ -70,7 +75,12 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             put_in(&path, &solution, &folder, common.seed)?;
         }
     }
-    super::tour::write(&options.out.join("program"))
+    let program = options.out.join("program");
+    match &options.only {
+        None => super::tour::write(&program),
+        Some(name) if name == "house" => super::tour::write_house(&program),
+        Some(_) => Ok(()),
+    }
 }
 
 /// What is put into the office after the solve: the wall, and two copies of a chair.

@@ -132,7 +132,17 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("difference", GRAIN)?;
     tour.open(Example::Teapot)?;
     tour.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
-    tour.photograph("specular", GRAIN)
+    tour.photograph("specular", GRAIN)?;
+    tour.house()
+}
+
+/// Photographs the house alone.
+///
+/// # Errors
+/// One line saying what could not be shown or written.
+pub fn write_house(folder: &Path) -> anyhow::Result<()> {
+    super::solve::output_folder(folder)?;
+    Tour::start(folder)?.house()
 }
 
 struct Tour {
@@ -181,6 +191,16 @@ impl Tour {
             (_, now) => now.is_some(),
         })?;
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+    }
+
+    /// The house with its mirrors, and where they are sampled.
+    fn house(&mut self) -> anyhow::Result<()> {
+        self.open(Example::House)?;
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        self.photograph("house", GRAIN)?;
+        self.view(|view| view.views = vec!["mirror.images".to_owned()]);
+        self.wait("the samples", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.photograph("mirror_images", GRAIN)
     }
 
     /// Clicks the widget with a label.

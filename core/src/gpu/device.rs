@@ -1,7 +1,7 @@
 //! A device without a window, and what any device must offer.
 
-/// Storage buffers the shading pass binds in one stage.
-pub const STORAGE_BUFFERS: u32 = 15;
+/// Storage buffers that the passes of mirrors bind in one stage.
+pub const STORAGE_BUFFERS: u32 = 16;
 
 /// What can go wrong on the way to a device.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +63,14 @@ impl GpuContext {
     /// # Errors
     /// Where there is none, or it offers too little.
     pub fn headless() -> Result<Self, GpuError> {
+        Self::headless_with(wgpu::Features::empty())
+    }
+
+    /// The same with those of some more features that the adapter has.
+    ///
+    /// # Errors
+    /// Where there is none, or it offers too little.
+    pub fn headless_with(wanted: wgpu::Features) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
@@ -73,7 +81,7 @@ impl GpuContext {
         let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("lumenscope"),
-            required_features: required_features(),
+            required_features: required_features() | (wanted & adapter.features()),
             required_limits: required_limits(&adapter)?,
             ..Default::default()
         }))

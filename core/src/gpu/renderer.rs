@@ -7,6 +7,7 @@
 
 pub use super::frame::FrameSettings;
 use super::{
+    clock::{Stage, StageClock, mark},
     device::GpuError,
     frame::{Composite, FalseColourTable, Frame},
     inspection::Inspection,
@@ -19,7 +20,11 @@ use super::{
 use crate::{
     inspection::InspectionScene,
     math::{false_colour::FalseColour, image::LinearImage},
-    mirror::gpu::MirrorPasses,
+    mirror::{
+        culling::Portal,
+        gpu::MirrorPasses,
+        views::{Eye, Rectangle},
+    },
     superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers, moved::MovedLight},
     transport::LightTransportSolution,
 };
@@ -42,10 +47,13 @@ pub struct GpuRenderer {
     composite_group: wgpu::BindGroup,
     visibility: wgpu::RenderPipeline,
     shade_per_pixel: wgpu::ComputePipeline,
-    shade_elements: wgpu::ComputePipeline,
+    /// For scenes as [`SceneTables::is_general`] says: not, and so.
+    shade_elements: [wgpu::ComputePipeline; 2],
     composite: wgpu::RenderPipeline,
+    composite_plain: wgpu::RenderPipeline,
     /// Passes of what is polished, made when something first is.
     mirror: Option<MirrorPasses>,
+    clock: Option<StageClock>,
     accumulated: u32,
 }
 
@@ -98,18 +106,24 @@ impl GpuRenderer {
         );
         let shade_module = shaders::SHADE.module(device);
         let shade = |entry| compute_pipeline(device, &shade_module, entry, &[&scene.layout, &shade_layout]);
-        let composite = render_pipeline(
-            device,
-            &shaders::COMPOSITE.module(device),
-            ["full_screen", "composite"],
-            &[&composite_layout],
-            output_format,
-            false,
-        );
+        let module = shaders::COMPOSITE.module(device);
+        let composite = |entry| {
+            let entries = ["full_screen", entry];
+            render_pipeline(device, &module, entries, &[&composite_layout], output_format, false)
+        };
+        let (composite_plain, composite) = (composite("composite_plain"), composite("composite"));
         Ok(Self {
             inspection: Inspection::new(device, &frame, output_format),
             shade_per_pixel: shade("shade_per_pixel"),
-            shade_elements: shade("shade_elements"),
+            shade_elements: [false, true].map(|general| {
+                compute_variant(
+                    device,
+                    &shade_module,
+                    "shade_elements",
+                    &[&scene.layout, &shade_layout],
+                    &[("general", f64::from(u8::from(general)))],
+                )
+            }),
             format: output_format,
             scene,
             targets,
@@ -124,7 +138,9 @@ impl GpuRenderer {
             composite_group,
             visibility,
             composite,
+            composite_plain,
             mirror: None,
+            clock: None,
             accumulated: 0,
         })
     }
@@ -207,18 +223,44 @@ impl GpuRenderer {
             let table = FalseColourTable::new(colour);
             queue.write_buffer(&self.false_colour, 0, bytemuck::bytes_of(&table));
         }
-        self.record_visibility(encoder);
+        if let Some(clock) = &mut self.clock {
+            clock.begin(encoder);
+        }
+        self.record_visibility(encoder, &settings);
+        mark(&mut self.clock, encoder, Stage::Visibility);
         self.record_shading(encoder, settings.direct);
+        mark(&mut self.clock, encoder, Stage::Shading);
         if !specular {
             self.mirror = None;
         } else {
-            let mirror = self
-                .mirror
-                .get_or_insert_with(|| MirrorPasses::new(device, &self.scene, &self.frame, &self.targets));
-            mirror.record((device, queue), encoder, &self.scene, (&self.frame, &self.targets), &settings);
+            let mirror = self.mirror.get_or_insert_with(|| {
+                MirrorPasses::new((device, queue), &self.scene, &self.frame, &self.targets)
+            });
+            let into = (&self.frame, &self.targets);
+            mirror.record((device, queue), encoder, &self.scene, into, &settings, &mut self.clock);
         }
-        self.record_composite(encoder);
+        let plain = settings.display.false_colour.is_none() && settings.highlighted.is_none();
+        self.record_composite(encoder, plain);
+        mark(&mut self.clock, encoder, Stage::Composite);
+        if let Some(clock) = &self.clock {
+            clock.end(encoder);
+        }
         self.inspection.record(encoder, &self.targets);
+    }
+
+    /// Whether blocks of triangles that a view cannot show are left out; they are by default.
+    pub fn set_culling(&mut self, culling: bool) {
+        self.scene.culling = culling;
+    }
+
+    /// Takes the time of every stage of the frames to come, where there is a clock.
+    pub fn set_clock(&mut self, clock: Option<StageClock>) {
+        self.clock = clock;
+    }
+
+    /// The clock, with the times of the last submitted frame.
+    pub fn clock(&self) -> Option<&StageClock> {
+        self.clock.as_ref()
     }
 
     /// The display-encoded picture of the last frame.
@@ -305,7 +347,10 @@ impl GpuRenderer {
         }
     }
 
-    fn record_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
+    fn record_visibility(&self, encoder: &mut wgpu::CommandEncoder, settings: &FrameSettings) {
+        let [width, height] = settings.size.map(|n| n as f32);
+        let eye = Eye::new(&settings.camera, width / height);
+        let portal = Portal::new(&eye, Rectangle::ALL, Portal::margin(settings.size));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("visibility"),
             color_attachments: &[Some(clearing(&self.targets.triangles_view))],
@@ -322,14 +367,14 @@ impl GpuRenderer {
         pass.set_pipeline(&self.visibility);
         pass.set_bind_group(0, &self.scene.raster_group, &[]);
         pass.set_bind_group(1, &self.visibility_group, &[]);
-        pass.draw(0..3 * self.scene.triangle_count(), 0..1);
+        self.scene.draw(&mut pass, &portal, 0);
     }
 
     fn record_shading(&self, encoder: &mut wgpu::CommandEncoder, direct: DirectQuality) {
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), ..Default::default() });
         pass.set_pipeline(match direct {
-            DirectQuality::Elements => &self.shade_elements,
+            DirectQuality::Elements => &self.shade_elements[usize::from(self.scene.is_general())],
             DirectQuality::PerPixel(_) => &self.shade_per_pixel,
         });
         pass.set_bind_group(0, &self.scene.group, &[]);
@@ -338,13 +383,13 @@ impl GpuRenderer {
         pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
     }
 
-    fn record_composite(&self, encoder: &mut wgpu::CommandEncoder) {
+    fn record_composite(&self, encoder: &mut wgpu::CommandEncoder, plain: bool) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("composite"),
             color_attachments: &[Some(clearing(&self.targets.output_view))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.composite);
+        pass.set_pipeline(if plain { &self.composite_plain } else { &self.composite });
         pass.set_bind_group(0, &self.composite_group, &[]);
         pass.draw(0..3, 0..1);
     }
@@ -402,12 +447,23 @@ pub(crate) fn compute_pipeline(
     entry: &str,
     groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::ComputePipeline {
+    compute_variant(device, module, entry, groups, &[])
+}
+
+/// A pipeline of one entry point with some of its overridable constants set.
+pub(crate) fn compute_variant(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[&wgpu::BindGroupLayout],
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(entry),
         layout: Some(&pipeline_layout(device, groups)),
         module,
         entry_point: Some(entry),
-        compilation_options: Default::default(),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
         cache: None,
     })
 }

@@ -5,14 +5,18 @@
 
 use super::{
     device::GpuError,
+    indices::shared_corners,
     storage::{Binding, Storage, bind, layout},
     tables,
 };
 use crate::{
     glossy::pass::{Lobes, lobes},
-    mirror::reflectors::Reflectors,
+    mirror::{
+        culling::{Blocks, Portal},
+        reflectors::Reflectors,
+    },
     radiosity::lookup::SideMap,
-    scene::geometry::Geometry,
+    scene::{geometry::Geometry, material::Material},
     superposition::moved::MovedLight,
     transport::LightTransportSolution,
 };
@@ -63,6 +67,11 @@ pub(crate) struct SceneTables {
     last: Option<LightTransportSolution>,
     reflectors: Reflectors,
     lobes: Lobes,
+    blocks: Blocks,
+    indices: wgpu::Buffer,
+    general: bool,
+    /// Whether what a view cannot show is left out.
+    pub(crate) culling: bool,
     /// Layout of all tables, for shading.
     pub(crate) layout: wgpu::BindGroupLayout,
     /// Layout of corners, triangles and materials, for rasterising.
@@ -97,6 +106,10 @@ impl SceneTables {
             surface_group,
             lobes: Lobes::default(),
             reflectors: Reflectors::default(),
+            blocks: Blocks::default(),
+            indices: index_buffer(device, &[]),
+            general: true,
+            culling: true,
             layout: layout_all,
             raster_layout,
             group,
@@ -105,9 +118,19 @@ impl SceneTables {
         }
     }
 
-    /// Number of triangles.
-    pub(crate) fn triangle_count(&self) -> u32 {
-        self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32)
+    /// Draws the triangles that may show in a view.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass, portal: &Portal, instance: u32) {
+        let count = self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32);
+        let seen = if self.culling { self.blocks.seen(portal) } else { std::iter::once(0..count).collect() };
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for triangles in seen.into_iter().filter(|r| !r.is_empty()) {
+            pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, instance..instance + 1);
+        }
+    }
+
+    /// Whether anything stands elsewhere than where its light was solved, or a material has two pictures.
+    pub(crate) fn is_general(&self) -> bool {
+        self.general
     }
 
     /// The solution on the device.
@@ -163,6 +186,7 @@ impl SceneTables {
                 }
                 for (object, range) in geometry.object_triangles.iter().enumerate() {
                     if geometry.world_from_object[object] != last.world.geometry.world_from_object[object] {
+                        self.blocks.moved(geometry, object);
                         let corners = tables::corners(geometry, range.clone());
                         write.storage[Table::Corners as usize].patch(
                             queue,
@@ -173,6 +197,8 @@ impl SceneTables {
                 }
             }
             None => {
+                self.blocks = Blocks::new(geometry);
+                self.indices = index_buffer(device, &shared_corners(geometry));
                 write.table(Table::Corners, &tables::corners(geometry, 0..geometry.len() as u32))?;
                 write.table(Table::Triangles, &tables::triangles(geometry, &reflectors))?;
                 let (infos, texels) = tables::textures(geometry.textures.iter().map(|t| &**t));
@@ -194,6 +220,8 @@ impl SceneTables {
         write.table(Table::EmitterTriangles, &emitter_triangles)?;
         write.table(Table::Objects, &tables::objects(geometry, moved))?;
         write.table(Table::MovedLight, &tables::moved_light(moved))?;
+        let two_pictures = |m: &Material| m.reflectance_texture.is_some() && m.emission_texture.is_some();
+        self.general = !moved.first.is_empty() || geometry.materials.iter().any(two_pictures);
         if known.is_none_or(|last| last.radiosity.sides().as_ptr() != radiosity.sides().as_ptr()) {
             // Guests have no elements; before the first solution nothing has.
             let mut sides = radiosity.sides().to_vec();
@@ -218,6 +246,23 @@ impl SceneTables {
         self.last = Some(solution.clone());
         Ok(renewed)
     }
+}
+
+fn index_buffer(device: &wgpu::Device, indices: &[u32]) -> wgpu::Buffer {
+    let bytes: &[u8] = bytemuck::cast_slice(indices);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("shared corners"),
+        size: (bytes.len() as u64).max(4),
+        usage: wgpu::BufferUsages::INDEX,
+        mapped_at_creation: true,
+    });
+    if !bytes.is_empty()
+        && let Ok(mut mapped) = buffer.get_mapped_range_mut(..)
+    {
+        mapped.copy_from_slice(bytes);
+    }
+    buffer.unmap();
+    buffer
 }
 
 struct Writer<'a> {

@@ -63,6 +63,7 @@ pub const MIRROR_FOLLOW: Program = Program {
         wgsl!("shared/elements.wgsl"),
         wgsl!("superposition/terms.wgsl"),
         wgsl!("mirror/views.wgsl"),
+        wgsl!("mirror/work.wgsl"),
         wgsl!("mirror/follow.wgsl"),
     ],
 };

@@ -6,12 +6,15 @@
 
 use super::{
     MOST_VIEWS, MirrorSettings,
+    culling::Portal,
     views::{Eye, MirroredView, Rectangle, mirrored_views},
+    work::{List, RUN, Work},
 };
 use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
+    clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    renderer::{compute_pipeline, render_pipeline},
+    renderer::{compute_pipeline, compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},
@@ -89,8 +92,10 @@ pub struct MirrorPasses {
     visibility: wgpu::RenderPipeline,
     begin: wgpu::ComputePipeline,
     follow_per_pixel: wgpu::ComputePipeline,
-    follow_elements: wgpu::ComputePipeline,
+    /// For scenes as [`SceneTables::is_general`] says: not, and so.
+    follow_elements: [wgpu::ComputePipeline; 2],
     reflect: wgpu::ComputePipeline,
+    reflect_wide: wgpu::ComputePipeline,
     sized: Sized,
     /// Passes of what is glossy, made when something first is.
     glossy: Option<GlossyPasses>,
@@ -102,16 +107,17 @@ struct Sized {
     triangles: wgpu::TextureView,
     depth: wgpu::TextureView,
     raster_group: wgpu::BindGroup,
+    work: Work,
     /// With the picture's own triangles.
     picture_group: wgpu::BindGroup,
-    /// With those of the mirrored views.
-    mirrored_group: wgpu::BindGroup,
+    /// With those of the mirrored views, a list each.
+    mirrored_groups: [wgpu::BindGroup; 4],
 }
 
 impl MirrorPasses {
     /// Builds the pipelines.
     pub(crate) fn new(
-        device: &wgpu::Device,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
         scene: &SceneTables,
         frame: &wgpu::Buffer,
         targets: &Targets,
@@ -129,7 +135,7 @@ impl MirrorPasses {
             device,
             "mirror",
             Stages::COMPUTE,
-            &[(0, Uniform), (1, Texture), (2, Written), (3, Uniform)],
+            &[(0, Uniform), (1, Texture), (2, Written), (3, Uniform), (4, Written), (5, Uniform)],
         );
         let visibility = render_pipeline(
             device,
@@ -141,9 +147,15 @@ impl MirrorPasses {
         );
         let module = shaders::MIRROR_FOLLOW.module(device);
         let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.layout, &follow_layout]);
-        let (begin, reflect) = (compute("begin"), compute("reflect_into_layers"));
-        let (follow_per_pixel, follow_elements) = (compute("follow_per_pixel"), compute("follow_elements"));
-        let sized = Sized::new(device, [&raster_layout, &follow_layout], [frame, &views], targets);
+        let begin = compute("begin");
+        let (reflect, reflect_wide) = (compute("reflect_into_layers"), compute("reflect_as_if_dull"));
+        let follow_per_pixel = compute("follow_per_pixel");
+        let follow_elements = [false, true].map(|general| {
+            let constants = [("general", f64::from(u8::from(general)))];
+            let groups = [&scene.layout, &follow_layout];
+            compute_variant(device, &module, "follow_elements", &groups, &constants)
+        });
+        let sized = Sized::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
         Self {
             views,
             raster_layout,
@@ -153,6 +165,7 @@ impl MirrorPasses {
             follow_per_pixel,
             follow_elements,
             reflect,
+            reflect_wide,
             sized,
             glossy: None,
             views_drawn: 0,
@@ -168,7 +181,7 @@ impl MirrorPasses {
         targets: &Targets,
     ) {
         let layouts = [&self.raster_layout, &self.follow_layout];
-        self.sized = Sized::new(device, layouts, [frame, &self.views], targets);
+        self.sized = Sized::new((device, queue), layouts, [frame, &self.views], targets);
         if let Some(glossy) = &mut self.glossy {
             glossy.bind(device, queue, frame, targets);
         }
@@ -187,6 +200,7 @@ impl MirrorPasses {
         scene: &SceneTables,
         (frame, targets): (&wgpu::Buffer, &Targets),
         settings: &FrameSettings,
+        clock: &mut Option<StageClock>,
     ) {
         let Some(solution) = scene.solution() else { return };
         let geometry = &solution.world.geometry;
@@ -195,29 +209,41 @@ impl MirrorPasses {
         let depth = MirrorSettings::of(&solution.scene.plan).depth;
         let views = mirrored_views(geometry, scene.reflectors(), eye, depth);
         self.views_drawn = views.len();
-        let (low, high) = geometry.bounds();
-        let near = NEAR * (high - low).length();
+        let near = NEAR * scene.reflectors().scene_size;
         let mut table = ViewTable { count: views.len() as u32, near, ..ViewTable::zeroed() };
         for (entry, view) in table.list.iter_mut().zip(&views) {
             *entry = ViewInfo::new(view);
         }
         queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&table));
-        self.dispatch(encoder, &self.begin, &self.sized.picture_group, scene, targets.size);
+        self.sized.work.clear(encoder);
+        let [width, height] = targets.size;
+        let (across, down) = (width.div_ceil(RUN * 8), height.div_ceil(8));
+        let groups = [&scene.group, &self.sized.picture_group];
+        compute(encoder, &self.begin, groups, |pass| pass.dispatch_workgroups(across, down, 1));
+        mark(clock, encoder, Stage::MirroredShading);
         let follow = match settings.direct {
             DirectQuality::PerPixel(_) => &self.follow_per_pixel,
-            DirectQuality::Elements => &self.follow_elements,
+            DirectQuality::Elements => &self.follow_elements[usize::from(scene.is_general())],
         };
         for depth in 1..=views.last().map_or(0, |v| v.depth) {
             self.record_depth(encoder, scene, targets.size, &views, depth);
-            self.dispatch(encoder, follow, &self.sized.mirrored_group, scene, targets.size);
+            mark(clock, encoder, Stage::MirroredVisibility);
+            let list = List::Depth(depth);
+            self.sized.work.clear_list(encoder, List::Depth(depth + 1));
+            let group = &self.sized.mirrored_groups[list.number() as usize];
+            self.work_off(encoder, follow, [&scene.group, group], list);
+            mark(clock, encoder, Stage::MirroredShading);
         }
         let method = solution.scene.plan.glossy.unwrap_or_default();
         if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
             let glossy =
                 self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
             glossy.record(queue, encoder, scene, scene.lobes());
+            mark(clock, encoder, Stage::Convolution);
         }
-        self.dispatch(encoder, &self.reflect, &self.sized.picture_group, scene, targets.size);
+        self.work_off(encoder, &self.reflect, groups, List::Depth(1));
+        self.work_off(encoder, &self.reflect_wide, groups, List::WithoutView);
+        mark(clock, encoder, Stage::Modulation);
     }
 
     /// Draws every view of one depth.
@@ -257,25 +283,36 @@ impl MirrorPasses {
         for (i, view) in views.iter().enumerate().filter(|(_, v)| v.depth == depth) {
             let [x, y, width, height] = pixels(view.rectangle, size);
             pass.set_scissor_rect(x, y, width, height);
-            pass.draw(0..3 * scene.triangle_count(), i as u32..i as u32 + 1);
+            scene.draw(&mut pass, &Portal::of_view(view, Portal::margin(size)), i as u32);
         }
     }
 
-    fn dispatch(
+    /// Runs a pipeline over the pixels of a list.
+    fn work_off(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipeline: &wgpu::ComputePipeline,
-        group: &wgpu::BindGroup,
-        scene: &SceneTables,
-        [width, height]: [u32; 2],
+        groups: [&wgpu::BindGroup; 2],
+        list: List,
     ) {
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("mirror"), ..Default::default() });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &scene.group, &[]);
-        pass.set_bind_group(1, group, &[]);
-        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        let dispatch = self.sized.work.dispatch(encoder, list);
+        compute(encoder, pipeline, groups, |pass| pass.dispatch_workgroups_indirect(dispatch, 0));
     }
+}
+
+fn compute(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    groups: [&wgpu::BindGroup; 2],
+    dispatch: impl FnOnce(&mut wgpu::ComputePass),
+) {
+    let mut pass = encoder
+        .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("mirror"), ..Default::default() });
+    pass.set_pipeline(pipeline);
+    for (i, group) in groups.into_iter().enumerate() {
+        pass.set_bind_group(i as u32, group, &[]);
+    }
+    dispatch(&mut pass);
 }
 
 /// First column and row, width and height of the pixels that a rectangle touches.
@@ -294,7 +331,7 @@ fn pixels(rectangle: Rectangle, [width, height]: [u32; 2]) -> [u32; 4] {
 
 impl Sized {
     fn new(
-        device: &wgpu::Device,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
         [raster, follow]: [&wgpu::BindGroupLayout; 2],
         [frame, views]: [&wgpu::Buffer; 2],
         targets: &Targets,
@@ -306,14 +343,23 @@ impl Sized {
         let [triangles, depth] = [seen, depth].map(|t| t.create_view(&Default::default()));
         let (frame, views) = (frame.as_entire_binding(), views.as_entire_binding());
         let layers = targets.layers.as_entire_binding();
-        let group = |seen: &wgpu::TextureView| {
+        let work = Work::new(device, queue, targets.size);
+        let group = |seen: &wgpu::TextureView, step: &wgpu::Buffer| {
             let seen = wgpu::BindingResource::TextureView(seen);
-            let resources = [(0, frame.clone()), (1, seen), (2, layers.clone()), (3, views.clone())];
+            let resources = [
+                (0, frame.clone()),
+                (1, seen),
+                (2, layers.clone()),
+                (3, views.clone()),
+                (4, work.lists.as_entire_binding()),
+                (5, step.as_entire_binding()),
+            ];
             bind(device, "mirror", follow, &resources)
         };
-        let (picture_group, mirrored_group) = (group(&targets.triangles_view), group(&triangles));
+        let picture_group = group(&targets.triangles_view, &work.steps[0]);
+        let mirrored_groups = work.steps.each_ref().map(|step| group(&triangles, step));
         let resources = [(0, frame.clone()), (2, layers.clone()), (3, views.clone())];
         let raster_group = bind(device, "mirrored visibility", raster, &resources);
-        Self { triangles, depth, raster_group, picture_group, mirrored_group }
+        Self { triangles, depth, raster_group, work, picture_group, mirrored_groups }
     }
 }

@@ -18,12 +18,15 @@
 
 use crate::scene::file::PlanOverrides;
 
+pub mod culling;
 pub mod gpu;
+pub mod images;
 pub mod inspect;
 pub mod pass;
 pub mod reflectors;
 pub mod thrown;
 pub mod views;
+mod work;
 
 /// Mirrored views that one frame shows, at most: the largest first at each depth.
 pub const MOST_VIEWS: usize = 64;

@@ -62,6 +62,8 @@ pub struct Reflectors {
     of_triangle: HashMap<u32, u32>,
     /// Polished triangles that are not flat or belong to none of them.
     pub curved: usize,
+    /// Diagonal of the scene's box, m; 0 where nothing is polished.
+    pub scene_size: f32,
 }
 
 impl Reflectors {
@@ -71,7 +73,8 @@ impl Reflectors {
             return Self::default();
         }
         let (low, high) = geometry.bounds();
-        let tolerance = 1e-5 * (high - low).length().max(f32::MIN_POSITIVE);
+        let scene_size = (high - low).length();
+        let tolerance = 1e-5 * scene_size.max(f32::MIN_POSITIVE);
         let mut planes: BTreeMap<(u32, u32, [i64; 4]), Vec<u32>> = BTreeMap::new();
         let mut curved = 0;
         for t in 0..geometry.len() as u32 {
@@ -106,7 +109,7 @@ impl Reflectors {
         let numbered = list.iter().enumerate();
         let of_triangle =
             numbered.flat_map(|(i, r)| r.triangles.iter().map(move |&t| (t, i as u32))).collect();
-        Self { list, of_triangle, curved }
+        Self { list, of_triangle, curved, scene_size }
     }
 
     /// Reflector of a triangle, or [`NO_REFLECTOR`].

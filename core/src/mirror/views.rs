@@ -44,7 +44,8 @@ impl Eye {
         }
     }
 
-    fn mirrored(&self, at: &Reflector) -> Self {
+    /// The same mirrored at a reflector.
+    pub fn mirrored(&self, at: &Reflector) -> Self {
         Self {
             position: at.mirror_point(self.position),
             right: at.mirror_direction(self.right),
@@ -105,8 +106,7 @@ pub fn mirrored_views(
     eye: Eye,
     depth: u32,
 ) -> Vec<MirroredView> {
-    let (low, high) = geometry.bounds();
-    let near = NEAR * (high - low).length();
+    let near = NEAR * reflectors.scene_size;
     let mut views: Vec<MirroredView> = Vec::new();
     let mut level = 0..1u32;
     for depth in 1..=depth {

@@ -1,0 +1,295 @@
+//! `fly`: a recorded walk on the GPU twin, and what flat reflectors cost it, as Bastos 1999, Fig. 6.20 asks.
+
+use super::{Common, fly_path::Walk, parse_size, solve};
+use anyhow::{Context, bail};
+use clap::Args;
+use lumenscope_core::{
+    glossy::GlossyMethod,
+    gpu::{FrameSettings, GpuContext, GpuRenderer, Stage, StageClock},
+    mirror::{MirrorSettings, reflectors::Reflectors},
+    scene::Scene,
+    superposition::composite::DirectQuality,
+    transport::LightTransportSolution,
+};
+use serde_json::json;
+use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Instant};
+
+/// Options of `fly`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file.
+    scene: PathBuf,
+    /// Places on the walk: `seconds,eye_x,eye_y,eye_z,target_x,target_y,target_z`, m.
+    #[arg(long)]
+    path: PathBuf,
+    /// Folder for `fly.csv` and `fly.json`.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Frames of the walk.
+    #[arg(long, default_value_t = 944, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    frames: u32,
+    /// Picture size.
+    #[arg(long, default_value = "720x486", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Numbers of reflectors that reflect, the largest first: `5`, `0,5` or `0..5`.
+    #[arg(long, default_value = "0..5", value_parser = parse_counts)]
+    reflectors: Counts,
+    /// Convolve what glossy surfaces mirror; otherwise they mirror sharply.
+    #[arg(long)]
+    glossy: bool,
+    /// Mirrors that light is followed through; the scene's plan by default.
+    #[arg(long)]
+    depth: Option<u32>,
+}
+
+/// Numbers of reflectors.
+#[derive(Clone, Debug)]
+struct Counts(Vec<usize>);
+
+fn parse_counts(text: &str) -> Result<Counts, String> {
+    let wrong = || format!("`{text}` is not a number, a list or a range of numbers of reflectors");
+    let counts = match text.split_once("..") {
+        Some((from, to)) => {
+            let from: usize = from.parse().map_err(|_| wrong())?;
+            (from..=to.parse().map_err(|_| wrong())?).collect()
+        }
+        None => text
+            .split(',')
+            .map(|n| n.trim().parse().map_err(|_| wrong()))
+            .collect::<Result<Vec<usize>, String>>()?,
+    };
+    if counts.is_empty() || counts.len() > 32 { Err(wrong()) } else { Ok(Counts(counts)) }
+}
+
+/// What one walk cost.
+struct Row {
+    reflectors: usize,
+    /// Mirrored views a frame, mean.
+    views: f64,
+    /// Milliseconds of each frame, sorted.
+    milliseconds: Vec<f64>,
+    /// Milliseconds of each stage, mean; `None` without timestamps.
+    stages: Option<[f64; 7]>,
+}
+
+impl Row {
+    fn percentile(&self, share: f64) -> f64 {
+        self.milliseconds[((self.milliseconds.len() - 1) as f64 * share).round() as usize]
+    }
+
+    fn mean(&self) -> f64 {
+        self.milliseconds.iter().sum::<f64>() / self.milliseconds.len() as f64
+    }
+
+    /// Shares of a frame in percent: mirrored views, convolution, shading with modulation.
+    fn shares(&self, without: &Self, sharp: Option<&Self>) -> [f64; 3] {
+        let share = |milliseconds: f64| 100.0 * milliseconds / self.mean();
+        match self.stages {
+            Some(stages) => {
+                let of = |list: &[Stage]| share(list.iter().map(|s| stages[*s as usize]).sum());
+                [
+                    of(&[Stage::MirroredVisibility, Stage::MirroredShading]),
+                    of(&[Stage::Convolution]),
+                    of(&[Stage::Shading, Stage::Modulation]),
+                ]
+            }
+            // By differences; shading cannot be told apart.
+            None => {
+                let convolution = sharp.map_or(0.0, |s| (self.mean() - s.mean()).max(0.0));
+                let views = (self.mean() - convolution - without.mean()).max(0.0);
+                [share(views), share(convolution), f64::NAN]
+            }
+        }
+    }
+}
+
+/// Walks once a number of reflectors and prints the table.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    let walk = Walk::read(&options.path)?;
+    let loaded = solve::load(&options.scene, common)?;
+    let solution = solve::solve(&loaded, false)?;
+    let found = Reflectors::new(&solution.world.geometry).list.len();
+    if let Some(too_many) = options.reflectors.0.iter().find(|n| **n > found) {
+        bail!("{}: {too_many} reflectors asked for, {found} found", options.scene.display());
+    }
+    let context = GpuContext::headless_with(StageClock::FEATURES)?;
+    let timed = StageClock::new(&context.device, &context.queue).is_some();
+    let [width, height] = options.size;
+    println!(
+        "{}: {} triangles, {} frames of {width}x{height} on {}, mirrors to depth {}, {}",
+        options.scene.display(),
+        solution.world.geometry.len(),
+        options.frames,
+        context.adapter,
+        with_reflectors(&solution, found, options).1,
+        if timed { "stages by timestamps" } else { "stages by differences" }
+    );
+    println!(
+        "{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}",
+        "reflectors", "views", "median ms", "95 % ms", "frames/s", "views %", "convol. %", "shading %"
+    );
+    let measure = |count: usize, glossy: bool| {
+        let (solution, _) = with_reflectors(&solution, count, options);
+        walk_once(&context, &solution, &walk, count, options, glossy)
+    };
+    // Without reflectors twice, before and after: what differs is noise.
+    let before = measure(0, false)?;
+    let mut rows = Vec::new();
+    for &count in &options.reflectors.0 {
+        let sharp = (options.glossy && !timed).then(|| measure(count, false)).transpose()?;
+        let row = measure(count, options.glossy)?;
+        let shares = row.shares(&before, sharp.as_ref());
+        print_row(&row, shares);
+        rows.push((row, shares));
+    }
+    let after = measure(0, false)?;
+    println!(
+        "without reflectors: {:.1} ms before, {:.1} ms after",
+        before.percentile(0.5),
+        after.percentile(0.5)
+    );
+    if let Some(out) = &options.out {
+        write(out, options, &context.adapter, &rows, [&before, &after])?;
+    }
+    Ok(())
+}
+
+fn print_row(row: &Row, shares: [f64; 3]) {
+    let shares = shares.map(|s| if s.is_finite() { format!("{s:.1}") } else { "-".into() });
+    println!(
+        "{:>10}{:>9.2}{:>11.1}{:>9.1}{:>10.2}{:>10}{:>10}{:>10}",
+        row.reflectors,
+        row.views,
+        row.percentile(0.5),
+        row.percentile(0.95),
+        1000.0 / row.mean(),
+        shares[0],
+        shares[1],
+        shares[2]
+    );
+}
+
+/// The solution with only the `count` largest reflectors polished, and how deep mirrors are followed.
+///
+/// What is made dull keeps the light it was solved with: what is shown of it is not right, what it costs is.
+fn with_reflectors(
+    solution: &LightTransportSolution,
+    count: usize,
+    options: &Options,
+) -> (LightTransportSolution, u32) {
+    let reflectors = Reflectors::new(&solution.world.geometry);
+    let kept: Vec<u32> = reflectors.list.iter().take(count).map(|r| r.material).collect();
+    let mut scene: Scene = (*solution.scene).clone();
+    scene.plan.mirror_depth = options.depth.or(scene.plan.mirror_depth);
+    scene.plan.glossy = Some(if options.glossy { GlossyMethod::Variant } else { GlossyMethod::Sharp });
+    let mut world = (*solution.world).clone();
+    for (i, material) in world.geometry.materials.iter_mut().enumerate() {
+        if !kept.contains(&(i as u32)) {
+            (material.roughness, material.metallic) = (1.0, 0.0);
+        }
+    }
+    let depth = MirrorSettings::of(&scene.plan).depth;
+    (LightTransportSolution { scene: Arc::new(scene), world: Arc::new(world), ..solution.clone() }, depth)
+}
+
+fn walk_once(
+    context: &GpuContext,
+    solution: &LightTransportSolution,
+    walk: &Walk,
+    reflectors: usize,
+    options: &Options,
+    glossy: bool,
+) -> anyhow::Result<Row> {
+    let (device, queue) = (&context.device, &context.queue);
+    let mut solution = solution.clone();
+    if !glossy {
+        let mut scene = (*solution.scene).clone();
+        scene.plan.glossy = Some(GlossyMethod::Sharp);
+        solution.scene = Arc::new(scene);
+    }
+    let mut renderer = GpuRenderer::new(device, wgpu::TextureFormat::Rgba8Unorm)?;
+    renderer.upload(device, queue, &solution)?;
+    renderer.set_clock(StageClock::new(device, queue));
+    let mut draw = |share: f32| -> anyhow::Result<(f64, usize, Option<[f64; 7]>)> {
+        let settings = FrameSettings {
+            camera: walk.camera(share, &solution.scene.camera),
+            size: options.size,
+            direct: DirectQuality::Elements,
+            ..FrameSettings::default()
+        };
+        let began = Instant::now();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        renderer.render(device, queue, &mut encoder, &settings);
+        queue.submit([encoder.finish()]);
+        device.poll(wgpu::PollType::wait_indefinitely()).context("the device was lost")?;
+        let milliseconds = 1e3 * began.elapsed().as_secs_f64();
+        let stages = renderer.clock().map(|c| c.read(device, queue)).transpose()?;
+        Ok((milliseconds, renderer.mirrored_views(), stages))
+    };
+    // Pipelines are compiled when first used.
+    for share in [0.0, 0.4] {
+        draw(share)?;
+    }
+    let (mut milliseconds, mut views, mut sum) = (Vec::new(), 0, None);
+    for frame in 0..options.frames {
+        let (spent, seen, stages) = draw(frame as f32 / (options.frames - 1) as f32)?;
+        milliseconds.push(spent);
+        views += seen;
+        if let Some(stages) = stages {
+            let sum = sum.get_or_insert([0.0; 7]);
+            sum.iter_mut().zip(stages).for_each(|(s, v): (&mut f64, f64)| *s += v);
+        }
+    }
+    milliseconds.sort_by(f64::total_cmp);
+    let each = |total: f64| total / f64::from(options.frames);
+    Ok(Row { reflectors, views: each(views as f64), milliseconds, stages: sum.map(|s| s.map(each)) })
+}
+
+fn write(
+    out: &std::path::Path,
+    options: &Options,
+    adapter: &str,
+    rows: &[(Row, [f64; 3])],
+    plain: [&Row; 2],
+) -> anyhow::Result<()> {
+    solve::output_folder(out)?;
+    let mut table = String::from(
+        "reflectors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,shading_percent",
+    );
+    for stage in Stage::ALL {
+        let _ = write!(table, ",{}_ms", stage.name());
+    }
+    table.push('\n');
+    let mut list = Vec::new();
+    for (row, shares) in rows {
+        let stages = row.stages.unwrap_or([f64::NAN; 7]);
+        let numbers = [row.views, row.percentile(0.5), row.percentile(0.95), 1000.0 / row.mean()];
+        let cells: Vec<String> =
+            numbers.iter().chain(shares).chain(&stages).map(|x| format!("{x:.3}")).collect();
+        let _ = writeln!(table, "{},{}", row.reflectors, cells.join(","));
+        let stages: serde_json::Map<String, serde_json::Value> =
+            Stage::ALL.iter().zip(stages).map(|(s, ms)| (format!("{}_ms", s.name()), json!(ms))).collect();
+        list.push(json!({
+            "reflectors": row.reflectors,
+            "mirrored_views": row.views,
+            "median_ms": row.percentile(0.5),
+            "p95_ms": row.percentile(0.95),
+            "frames_per_second": 1000.0 / row.mean(),
+            "stages": stages,
+        }));
+    }
+    solve::write(&out.join("fly.csv"), &table)?;
+    let report = json!({
+        "scene": options.scene,
+        "adapter": adapter,
+        "size": options.size,
+        "frames": options.frames,
+        "glossy": options.glossy,
+        "rows": list,
+        "without_reflectors_ms": plain.map(|r| r.percentile(0.5)),
+    });
+    solve::write(&out.join("fly.json"), &format!("{report:#}\n"))
+}

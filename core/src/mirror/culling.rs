@@ -1,0 +1,117 @@
+//! What of the scene a view can see: blocks of triangles in boxes, held against the view's portal.
+//!
+//! A mirrored view shows only what lies beyond its reflector and inside the pyramid from the mirrored eye
+//! through the reflector's place in the picture (Bastos 1999, §6.4: "avoid putting into the rendering
+//! pipeline polygons that you cannot finally see"). A block is left out only where its whole box lies
+//! outside one of those planes, so no pixel changes; a test says so.
+
+use super::views::{Eye, MirroredView, Rectangle};
+use crate::scene::geometry::Geometry;
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// Triangles of a block, at most.
+const BLOCK: u32 = 128;
+/// Blocks left out between two that are drawn, up to which both are drawn as one: a draw has its price too.
+const GAP: u32 = 64;
+
+/// Consecutive triangles of one object, and their box, m.
+#[derive(Clone, Debug, PartialEq)]
+struct Block {
+    triangles: Range<u32>,
+    low: Vec3,
+    high: Vec3,
+}
+
+/// The blocks of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Blocks {
+    list: Vec<Block>,
+    /// Blocks of each object.
+    of_object: Vec<Range<usize>>,
+}
+
+impl Blocks {
+    /// Those of a scene.
+    pub fn new(geometry: &Geometry) -> Self {
+        let mut blocks = Self::default();
+        for triangles in &geometry.object_triangles {
+            let first = blocks.list.len();
+            let starts = triangles.clone().step_by(BLOCK as usize);
+            let ranges = starts.map(|start| start..(start + BLOCK).min(triangles.end));
+            blocks.list.extend(ranges.map(|range| block(geometry, range)));
+            blocks.of_object.push(first..blocks.list.len());
+        }
+        blocks
+    }
+
+    /// Follows an object that was placed anew.
+    pub fn moved(&mut self, geometry: &Geometry, object: usize) {
+        for block in &mut self.list[self.of_object[object].clone()] {
+            *block = self::block(geometry, block.triangles.clone());
+        }
+    }
+
+    /// Ranges of triangles that may show in a view; neighbours are joined.
+    pub fn seen(&self, portal: &Portal) -> Vec<Range<u32>> {
+        let mut ranges: Vec<Range<u32>> = Vec::new();
+        for block in self.list.iter().filter(|b| portal.touches(b.low, b.high)) {
+            match ranges.last_mut() {
+                Some(last) if block.triangles.start - last.end <= GAP => last.end = block.triangles.end,
+                _ => ranges.push(block.triangles.clone()),
+            }
+        }
+        ranges
+    }
+}
+
+fn block(geometry: &Geometry, triangles: Range<u32>) -> Block {
+    let corners = geometry.positions[triangles.start as usize..triangles.end as usize].iter().flatten();
+    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = corners.fold(empty, |(low, high), &p| (low.min(p), high.max(p)));
+    Block { triangles, low, high }
+}
+
+/// The planes that bound what a view shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Portal {
+    /// Kept is what has n·x ≥ d: normal and offset.
+    planes: Vec<(Vec3, f32)>,
+}
+
+impl Portal {
+    /// The pyramid from an eye through a rectangle of its picture, grown by `margin` on all sides.
+    pub fn new(eye: &Eye, rectangle: Rectangle, margin: Vec2) -> Self {
+        let (low, high) = (rectangle.low - margin, rectangle.high + margin);
+        let axes = [(eye.right, eye.half_size.x, low.x, high.x), (eye.up, eye.half_size.y, low.y, high.y)];
+        let mut planes = vec![(eye.forward, eye.forward.dot(eye.position))];
+        for (axis, half, low, high) in axes {
+            // Seen at x is what has axis·v = x · half · forward·v, v from the eye.
+            for normal in [axis - eye.forward * (low * half), eye.forward * (high * half) - axis] {
+                planes.push((normal, normal.dot(eye.position)));
+            }
+        }
+        Self { planes }
+    }
+
+    /// Margin of two pixels: frames that are averaged look through other places of their pixels.
+    pub fn margin([width, height]: [u32; 2]) -> Vec2 {
+        Vec2::new(4.0 / width.max(1) as f32, 4.0 / height.max(1) as f32)
+    }
+
+    /// That of a mirrored view: what lies before its reflector too.
+    pub fn of_view(view: &MirroredView, margin: Vec2) -> Self {
+        let mut portal = Self::new(&view.eye, view.rectangle, margin);
+        portal.planes.push((view.clip_normal, view.clip_offset));
+        portal
+    }
+
+    /// Whether a box may reach inside; false only where it lies outside one plane.
+    fn touches(&self, low: Vec3, high: Vec3) -> bool {
+        let slack = 1e-5 * (high.abs().max(low.abs()).max_element() + 1.0);
+        self.planes.iter().all(|&(normal, offset)| {
+            let farthest = Vec3::select(normal.cmpge(Vec3::ZERO), high, low);
+            normal.dot(farthest) >= offset - slack * normal.length().max(1.0) * 4.0
+        })
+    }
+}

@@ -1,0 +1,65 @@
+//! A layered image: the points of many samples, each surface kept once (Bastos 1999, §6.8).
+
+use super::sample::{ImageWithDepth, Point};
+use glam::Vec3;
+
+/// Share of the distance within which two points in one pixel are the same surface.
+const SAME_SURFACE: f32 = 0.01;
+
+/// Points by pixel of a sample's view, nearest first in none: several where a ray crosses several surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayeredImage {
+    /// The points.
+    pub points: Vec<Point>,
+    /// Points before they were merged.
+    pub merged_from: usize,
+    /// Most points in one pixel.
+    pub layers: usize,
+}
+
+impl LayeredImage {
+    /// Merges samples of one element into the view of the first.
+    ///
+    /// A point that another one of the same pixel and distance stands for already is dropped. What falls
+    /// outside the view is kept, each as it is.
+    pub fn new(images: &[ImageWithDepth]) -> Self {
+        let mut layered = Self { points: Vec::new(), merged_from: 0, layers: 0 };
+        let Some(view) = images.first() else { return layered };
+        let mut pixels: Vec<Vec<(f32, u32)>> = vec![Vec::new(); view.triangle.len()];
+        for point in images.iter().flat_map(ImageWithDepth::points) {
+            layered.merged_from += 1;
+            if let Some((pixel, distance)) = seen_from(view, point.position) {
+                let same = |&(d, triangle): &(f32, u32)| {
+                    (d - distance).abs() <= SAME_SURFACE * distance || (triangle == point.triangle)
+                };
+                if pixels[pixel].iter().any(same) {
+                    continue;
+                }
+                pixels[pixel].push((distance, point.triangle));
+                layered.layers = layered.layers.max(pixels[pixel].len());
+            }
+            layered.points.push(point);
+        }
+        layered
+    }
+
+    /// Bytes of its points: position, sides' scale, colour, id and place.
+    pub fn bytes(&self) -> usize {
+        self.points.len() * (12 + 4 + 12 + 4 + 8)
+    }
+}
+
+/// The pixel of a sample's view that a place falls into, and its distance, m.
+fn seen_from(view: &ImageWithDepth, position: Vec3) -> Option<(usize, f32)> {
+    let normal = view.edge_u.cross(view.edge_v);
+    let out = position - view.eye;
+    let scale = normal.dot(view.corner - view.eye) / normal.dot(out);
+    if !scale.is_finite() || scale <= 0.0 {
+        return None;
+    }
+    let at = view.eye + out * scale - view.corner;
+    let along = |edge: Vec3| at.dot(edge) / edge.length_squared() * view.resolution as f32;
+    let (x, y) = (along(view.edge_u), along(view.edge_v));
+    let inside = |c: f32| c >= 0.0 && c < view.resolution as f32;
+    (inside(x) && inside(y)).then(|| ((y as u32 * view.resolution + x as u32) as usize, out.length()))
+}
