@@ -15,6 +15,8 @@ use glam::{Affine3A, Vec3};
 use lumenscope_core::{
     irradiance_volume::inspect::ColourBy,
     math::{false_colour::FalseColour, part::Part},
+    measure::grid_texture::GridReference,
+    radiosity::texture::display::Filter,
     scene::Target,
 };
 use std::{
@@ -124,6 +126,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.run(Command::Window(WindowCommand::Theme));
 
     tour.open(Example::Cornell)?;
+    tour.texture()?;
     tour.view(|view| view.compare = Compare::Reference);
     tour.run(Command::StartReference);
     tour.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
@@ -224,6 +227,22 @@ impl Tour {
         self.wait("the difference", |app| !app.is_busy())?;
         self.photograph("volume_difference", GRAIN)?;
         self.click("Layers");
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        Ok(())
+    }
+
+    /// The back wall's texture at its three stages, against the path tracer.
+    fn texture(&mut self) -> anyhow::Result<()> {
+        self.click("Texture");
+        self.click_at([0.56, 0.3]);
+        self.view(|view| view.stages.stored = Filter::Nearest);
+        self.view(|view| view.traced_texture = true);
+        self.wait("the path tracer", |app| {
+            let reference = app.session().texture.as_ref().and_then(|t| t.reference.as_ref());
+            reference.is_some_and(|r| r.paths >= GridReference::PATHS * GridReference::ENOUGH)
+        })?;
+        self.photograph("texture", GRAIN)?;
+        self.click("Spheres");
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
     }

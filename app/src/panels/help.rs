@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, Grid, RichText, Window};
 
-const KEYS: [(&str, &str); 18] = [
+const KEYS: [(&str, &str); 19] = [
     ("Ctrl+O", "Open a scene or session"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+Shift+S", "Save the session as a new file"),
@@ -23,7 +23,11 @@ const KEYS: [(&str, &str); 18] = [
         "Move a lamp or a movable object; with Shift, up and down; with Alt, orbit all the same",
     ),
     ("Wheel", "Nearer and farther"),
-    ("Click", "Pick a point: read-out, and the spheres there; on a volume sphere, its own"),
+    (
+        "Click",
+        "Pick a point: read-out, spheres, and its surface's texture; on a volume sphere, its own light",
+    ),
+    ("Drop a file", "Open a scene or session, add a model, or hold a lightmap against our light"),
 ];
 
 const COLOURS: [(&str, &str); 4] = [

@@ -11,13 +11,14 @@ use crate::{
     },
 };
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
+use glam::Vec2;
 use lumenscope_core::{
     inspection::Legend,
     math::{
         colour::luminance,
         false_colour::{FalseColour, Palette},
     },
-    measure::grid_texture::{GridReference, Prefilter, StageSettings},
+    measure::grid_texture::{GridReference, Prefilter, Stage, StageSettings},
     radiosity::texture::{display::Filter, prefilter::WIDEST},
 };
 use std::{fmt::Write as _, sync::Arc};
@@ -50,7 +51,6 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         return;
     }
     edit_view(view, out, |view| {
-        section(ui, "Stages", |ui| settings(ui, &mut view.stages));
         let hint = format!(
             "Irradiance of the surface by the path tracer, at the middles of equal cells: what every stage should be. \
              {} paths a point, in the background.",
@@ -80,13 +80,34 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         }
     });
     bar(ui, "irradiance", state.light);
-    if let Some(traced) = &shown.reference {
+    numbers(ui, shown);
+    if shown.reference.is_some() {
         ui.horizontal_top(|ui| {
             for field in &mut state.differences {
                 field.show(ui, width, aspect);
             }
         });
         bar(ui, "difference to the path tracer", state.difference);
+    }
+    ui.weak(match pointed {
+        None => "Point at a stage to read it.".to_owned(),
+        Some((stage, [x, y])) => {
+            let Stage { texture, filter } = &shown.stages[stage];
+            let value = number(luminance(texture.sample(Vec2::new(x, y), *filter)));
+            let at = Vec2::new(x, y) * grid.size_m;
+            format!(
+                "stage {}: {value} lx, {:.2} m from the left, {:.2} m from the top",
+                stage + 1,
+                at.x,
+                at.y
+            )
+        }
+    });
+    if ui.button("Copy the stages' numbers").on_hover_text("Copies the table, tab-separated").clicked() {
+        ui.ctx().copy_text(text(shown));
+    }
+    edit_view(view, out, |view| section(ui, "Stages", |ui| settings(ui, &mut view.stages)));
+    if let Some(traced) = &shown.reference {
         ui.horizontal_top(|ui| {
             if let Some(field) = &mut state.reference {
                 field.show(ui, width, aspect);
@@ -101,17 +122,6 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
             });
         });
     }
-    if let Some((stage, [x, y])) = pointed {
-        let value = shown.stages[stage].texture.sample(glam::Vec2::new(x, y), shown.stages[stage].filter);
-        ui.label(format!(
-            "stage {}: {} lx at {:.2} m, {:.2} m",
-            stage + 1,
-            number(luminance(value)),
-            x * grid.size_m.x,
-            y * grid.size_m.y
-        ));
-    }
-    numbers(ui, shown);
 }
 
 fn settings(ui: &mut Ui, settings: &mut StageSettings) {
@@ -222,24 +232,21 @@ fn row(shown: &GridView, stage: usize) -> [String; 5] {
 }
 
 fn numbers(ui: &mut Ui, shown: &GridView) {
-    ui.add_space(4.0);
-    Grid::new("stage numbers").num_columns(6).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
+    let rows = [0, 1, 2].map(|stage| row(shown, stage));
+    Grid::new("stage numbers").num_columns(4).striped(true).spacing([14.0, 2.0]).show(ui, |ui| {
         ui.label("");
-        for (name, meaning) in COLUMNS {
-            ui.label(RichText::new(name).small()).on_hover_text(meaning);
+        for name in NAMES {
+            ui.label(RichText::new(name).small());
         }
         ui.end_row();
-        for (i, name) in NAMES.into_iter().enumerate() {
-            ui.label(name);
-            for text in row(shown, i) {
-                ui.label(RichText::new(text).small().monospace());
+        for (i, (name, meaning)) in COLUMNS.into_iter().enumerate() {
+            ui.label(RichText::new(name).small()).on_hover_text(meaning);
+            for row in &rows {
+                ui.label(RichText::new(&row[i]).small().monospace());
             }
             ui.end_row();
         }
     });
-    if ui.button("Copy the stages' numbers").on_hover_text("Copies the table, tab-separated").clicked() {
-        ui.ctx().copy_text(text(shown));
-    }
 }
 
 /// The numbers, tab-separated.

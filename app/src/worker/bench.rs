@@ -155,17 +155,14 @@ impl Bench {
         if let Some(request) = slots.inspect.take() {
             return Some(Task::Inspect(Box::new(request)));
         }
-        if self.solution.is_some()
-            && let Some(request) = slots.texture.take()
-        {
+        // Without light these come to nothing, and are asked for again when there is some.
+        if let Some(request) = slots.texture.take() {
             return Some(Task::Texture(request));
         }
         if std::mem::take(&mut slots.refine) {
             return Some(Task::Refine);
         }
-        if self.solution.is_some()
-            && let Some(file) = slots.lightmap.take()
-        {
+        if let Some(file) = slots.lightmap.take() {
             return Some(Task::Lightmap(file));
         }
         if let Some(request) = slots.exports.pop_front() {
