@@ -4,7 +4,7 @@
 //! A reflector is cut into elements; behind each stands a hemisphere of centres of projection, and from each
 //! of those a picture is taken through the element, with the distance of every pixel ([`sample`]). To show
 //! the reflector, the samples nearest to the mirrored eye are chosen ([`select`]), their pixels put into the
-//! scene as points and seen from the mirrored eye ([`reproject`]). The price is that of the pictures' pixels,
+//! scene as points and seen from the mirrored eye ([`mod@reproject`]). The price is that of the pictures' pixels,
 //! whatever the scene; what no chosen sample has seen stays a hole.
 //!
 //! Pixels keep the triangle they saw and the place on it (images-with-ids, §6.8), so that their colour is
