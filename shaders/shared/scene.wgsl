@@ -19,6 +19,8 @@ struct TriangleInfo {
     object: u32,
     // Flat reflector it is part of, or NONE.
     reflector: u32,
+    // Environment map of a curved reflector, or NONE.
+    environment: u32,
 }
 
 struct ObjectInfo {

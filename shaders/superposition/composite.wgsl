@@ -19,6 +19,7 @@ struct ShownTriangle {
     material: u32,
     object: u32,
     reflector: u32,
+    environment: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -28,11 +28,18 @@ fn pixel_scramble(pixel: u32) -> u32 {
     return hash2(pixel, hash2(frame.frame, frame.seed));
 }
 
-// By the specular lobe, as if it were as wide as the hemisphere, of the light stored at a surface.
+// By the specular lobe: from the map of what is curved, or as if it were as wide as the hemisphere, of the light
+// stored at a surface.
 fn wide_reflection(surface: Surface, stored: StoredLight, wo: vec3f) -> vec3f {
     let specular = specular_at(surface);
     if specular.alpha < 0.0 {
         return vec3f(0.0);
+    }
+    let number = triangles[surface.triangle].environment;
+    if number != NONE {
+        let cosine = dot(surface.normal, wo);
+        let mirrored = 2.0 * cosine * surface.normal - wo;
+        return specular_reflectance(specular, cosine) * environment_radiance(number, surface.position, mirrored);
     }
     return specular_reflectance(specular, dot(wo, surface.normal)) * (1.0 / PI) * (stored.direct + stored.indirect);
 }

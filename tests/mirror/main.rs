@@ -2,6 +2,7 @@
 
 mod brdf;
 mod culling;
+mod environment;
 mod glossy;
 mod images;
 mod planar;

@@ -2,6 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    glossy::environment::Environments,
     irradiance_volume::{IrradianceVolume, VolumeSettings},
     math::progress::Progress,
     radiosity::{RadiositySettings, RadiositySolution},
@@ -151,6 +152,7 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
         .expect("the scene has a volume");
     LightTransportSolution {
         scene: Arc::new(scene),
+        environments: Arc::new(Environments::new(&world, &radiosity)),
         world: Arc::new(world),
         radiosity: Arc::new(radiosity),
         volume: Some(Arc::new(volume)),

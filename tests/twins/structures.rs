@@ -78,7 +78,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
     same_layout!(MIRROR_FOLLOW, "MirroredViews", mirror_gpu::ViewTable, count, near, padding, list);
     same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
-    same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object, reflector);
+    same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object, reflector, environment);
     same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, stored_direct);
     same_layout!(
         SHADE,
@@ -131,7 +131,7 @@ fn structures_have_the_same_layout_on_both_sides() {
         padding
     );
     same_layout!(COMPOSITE, "FalseColour", frame::FalseColourTable, low, high, logarithmic, padding, palette);
-    same_layout!(COMPOSITE, "ShownTriangle", tables::TriangleInfo, material, object, reflector);
+    same_layout!(COMPOSITE, "ShownTriangle", tables::TriangleInfo, material, object, reflector, environment);
     same_layout!(INSPECTION, "Sphere", gpu_inspection::Sphere, centre, radius, first_bin, padding);
     same_layout!(
         INSPECTION,

@@ -1,7 +1,7 @@
 //! A device without a window, and what any device must offer.
 
 /// Storage buffers that the passes of mirrors bind in one stage.
-pub const STORAGE_BUFFERS: u32 = 16;
+pub const STORAGE_BUFFERS: u32 = 17;
 
 /// What can go wrong on the way to a device.
 #[derive(Debug, thiserror::Error)]

@@ -22,7 +22,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-const LABELS: [&str; 14] = [
+const LABELS: [&str; 15] = [
     "corners",
     "triangles",
     "materials",
@@ -37,6 +37,7 @@ const LABELS: [&str; 14] = [
     "sides",
     "element light",
     "moved light",
+    "environments",
 ];
 
 /// Names of the buffers: their binding numbers in group 0.
@@ -56,6 +57,7 @@ enum Table {
     Sides,
     ElementLight,
     MovedLight,
+    Environments,
 }
 
 /// Tables that `shaders/shared/scene.wgsl` names: corners to texels.
@@ -63,7 +65,7 @@ const SURFACE_TABLES: usize = 6;
 
 /// A solution on the device.
 pub(crate) struct SceneTables {
-    storage: [Storage; 14],
+    storage: [Storage; 15],
     last: Option<LightTransportSolution>,
     reflectors: Reflectors,
     lobes: Lobes,
@@ -91,8 +93,8 @@ pub(crate) struct SceneTables {
 impl SceneTables {
     /// No scene.
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let storage: [Storage; 14] = std::array::from_fn(|i| Storage::new(device, LABELS[i]));
-        let all: Vec<_> = (0..14).map(|i| (i, Binding::Table)).collect();
+        let storage: [Storage; 15] = std::array::from_fn(|i| Storage::new(device, LABELS[i]));
+        let all: Vec<_> = (0..15).map(|i| (i, Binding::Table)).collect();
         let layout_all = layout(device, "scene", wgpu::ShaderStages::COMPUTE, &all);
         let raster_layout = layout(device, "raster", wgpu::ShaderStages::VERTEX_FRAGMENT, &all[..3]);
         let surface_layout = layout(device, "surfaces", wgpu::ShaderStages::COMPUTE, &all[..SURFACE_TABLES]);
@@ -173,7 +175,7 @@ impl SceneTables {
     ) -> Result<bool, GpuError> {
         let last = self.last.take();
         let known = last.as_ref().filter(|last| same_structure(last, solution));
-        let (world, radiosity) = (&solution.world, &solution.radiosity);
+        let (world, radiosity, environments) = (&solution.world, &solution.radiosity, &solution.environments);
         let geometry = &world.geometry;
         let mut renewed = false;
         let reflectors = Reflectors::new(geometry);
@@ -181,8 +183,8 @@ impl SceneTables {
         match known {
             Some(last) => {
                 // Materials may have become polished or dull.
-                if reflectors != self.reflectors {
-                    write.table(Table::Triangles, &tables::triangles(geometry, &reflectors))?;
+                if reflectors != self.reflectors || mapped(last) != mapped(solution) {
+                    write.table(Table::Triangles, &tables::triangles(geometry, &reflectors, environments))?;
                 }
                 for (object, range) in geometry.object_triangles.iter().enumerate() {
                     if geometry.world_from_object[object] != last.world.geometry.world_from_object[object] {
@@ -200,7 +202,7 @@ impl SceneTables {
                 self.blocks = Blocks::new(geometry);
                 self.indices = index_buffer(device, &shared_corners(geometry));
                 write.table(Table::Corners, &tables::corners(geometry, 0..geometry.len() as u32))?;
-                write.table(Table::Triangles, &tables::triangles(geometry, &reflectors))?;
+                write.table(Table::Triangles, &tables::triangles(geometry, &reflectors, environments))?;
                 let (infos, texels) = tables::textures(geometry.textures.iter().map(|t| &**t));
                 write.table(Table::Textures, &infos)?;
                 write.table(Table::Texels, &texels)?;
@@ -231,6 +233,9 @@ impl SceneTables {
         if known.is_none_or(|last| !Arc::ptr_eq(&last.radiosity, radiosity)) {
             let light = tables::element_light(&radiosity.direct, &radiosity.indirect);
             write.table(Table::ElementLight, &light)?;
+        }
+        if known.is_none_or(|last| !Arc::ptr_eq(&last.environments, environments)) {
+            write.table(Table::Environments, &tables::environments(environments))?;
         }
         self.counts = [emitters.len() as u32, trees.len() as u32];
         if renewed {
@@ -266,7 +271,7 @@ fn index_buffer(device: &wgpu::Device, indices: &[u32]) -> wgpu::Buffer {
 }
 
 struct Writer<'a> {
-    storage: &'a mut [Storage; 14],
+    storage: &'a mut [Storage; 15],
     device: &'a wgpu::Device,
     queue: &'a wgpu::Queue,
     renewed: &'a mut bool,
@@ -283,6 +288,11 @@ fn group(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, storage: &[Stora
     let resources: Vec<_> =
         storage.iter().enumerate().map(|(i, s)| (i as u32, s.buffer().as_entire_binding())).collect();
     bind(device, "scene", layout, &resources)
+}
+
+/// Objects and materials that have environment maps.
+fn mapped(solution: &LightTransportSolution) -> Vec<(u32, u32)> {
+    solution.environments.list.iter().map(|e| e.of).collect()
 }
 
 /// Whether two solutions differ only in placements of movable objects, materials' values and light.

@@ -2,6 +2,7 @@
 
 use super::device::GpuError;
 use crate::{
+    glossy::environment::Environments,
     math::image::LinearImage,
     mirror::reflectors::Reflectors,
     scene::{
@@ -43,6 +44,8 @@ pub struct TriangleInfo {
     pub object: u32,
     /// Flat reflector it is part of, or [`NONE`].
     pub reflector: u32,
+    /// Environment map of a curved reflector, or [`NONE`].
+    pub environment: u32,
 }
 
 /// `ObjectInfo` of `shaders/shared/scene.wgsl`.
@@ -211,7 +214,11 @@ pub fn corners(geometry: &Geometry, range: Range<u32>) -> Vec<Corner> {
 }
 
 /// Material, object and reflector of each triangle.
-pub fn triangles(geometry: &Geometry, reflectors: &Reflectors) -> Vec<TriangleInfo> {
+pub fn triangles(
+    geometry: &Geometry,
+    reflectors: &Reflectors,
+    environments: &Environments,
+) -> Vec<TriangleInfo> {
     geometry
         .material
         .iter()
@@ -221,8 +228,24 @@ pub fn triangles(geometry: &Geometry, reflectors: &Reflectors) -> Vec<TriangleIn
             material,
             object,
             reflector: reflectors.of(t as u32),
+            environment: environments.number(object, material).map_or(NONE, |i| i as u32),
         })
         .collect()
+}
+
+/// The environment maps: for each its middle and first texel, and its size; then the texels of all.
+pub fn environments(environments: &Environments) -> Vec<Vec4> {
+    let list = &environments.list;
+    let mut first = 2 * list.len();
+    let mut table = Vec::new();
+    for map in list {
+        // Whole numbers of so few texels are exact.
+        table.push(map.centre.extend(first as f32));
+        table.push(Vec4::new(map.size[0] as f32, map.size[1] as f32, 0.0, 0.0));
+        first += map.texels.len();
+    }
+    table.extend(list.iter().flat_map(|map| &map.texels));
+    table
 }
 
 /// The materials.

@@ -164,8 +164,8 @@ pub struct SeenTerms {
     pub direct: Vec3,
     /// Reflected diffusely, after a bounce.
     pub indirect: Vec3,
-    /// Reflected by the specular lobe as if it were as wide as the hemisphere: F(θ) E / π. What stands in
-    /// where nothing finer is known of it.
+    /// Reflected by the specular lobe: from the map of what is curved, or as if it were as wide as the hemisphere,
+    /// F(θ) E / π. What stands in where nothing finer is known of it.
     pub wide: Vec3,
     /// Whether that lobe is an ideal mirror's.
     pub is_mirror: bool,
@@ -209,7 +209,13 @@ impl<'a> Shading<'a> {
                     solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
                 })
         };
+        let object = geometry.object[surface.triangle as usize];
         let (wide, is_mirror) = brdf.specular.map_or((Vec3::ZERO, false), |s| {
+            let material = geometry.material[surface.triangle as usize];
+            if let Some(map) = solution.environments.number(object, material) {
+                let map = &solution.environments.list[map];
+                return (map.reflected(surface.position, surface.normal, wo, &s), s.is_mirror());
+            }
             let all = stored(Part::Direct) + stored(Part::Indirect);
             (s.reflectance(wo.dot(surface.normal)) * FRAC_1_PI * all, s.is_mirror())
         });
@@ -217,7 +223,6 @@ impl<'a> Shading<'a> {
             return SeenTerms { emitted, wide, is_mirror, ..SeenTerms::default() };
         }
         let share = brdf.diffuse * FRAC_1_PI;
-        let object = geometry.object[surface.triangle as usize];
         let direct = match settings.direct {
             DirectQuality::Elements => stored(Part::Direct),
             DirectQuality::PerPixel(_) if self.moved.stored_direct.contains(&object) => stored(Part::Direct),

@@ -192,9 +192,9 @@ impl Needs<'_> {
         let depth = MirrorSettings::of(self.over).depth;
         let reason = match (flat, curved) {
             (0, 0) => "nothing is polished: no mirrored view".into(),
-            (0, _) => "nothing polished is flat: curved things reflect as if dull".into(),
+            (0, _) => "nothing polished is flat: curved things show a map of the light around them".into(),
             (_, 0) => format!("{} of polished material", counted(flat, "flat reflector")),
-            _ => format!("{}; {curved} curved triangles reflect as if dull", counted(flat, "flat reflector")),
+            _ => format!("{}; {curved} curved triangles show maps", counted(flat, "flat reflector")),
         };
         let used = flat > 0 && depth > 0;
         let words = if used {
@@ -205,7 +205,7 @@ impl Needs<'_> {
         let (expected_error, error_basis) = match (curved, used) {
             (0, true) => (ExpectedError::Exact, "the same passes from a mirrored eye, to the depth stated"),
             (0, false) => (ExpectedError::Exact, "nothing is sampled"),
-            _ => (ExpectedError::Unknown, "not measured for what stands in on curved surfaces"),
+            _ => (ExpectedError::Unknown, "the map of a curved thing is exact in its middle alone"),
         };
         PlanLine {
             expected_error,

@@ -14,6 +14,7 @@ use super::{
     solution::{Provenance, State},
 };
 use crate::{
+    glossy::environment::Environments,
     irradiance_volume::{
         IrradianceVolume, VolumeError, VolumeSettings,
         dynamic_object::{Detail, DynamicObject},
@@ -151,6 +152,7 @@ impl LiveTransport {
             moved_objects: Vec::new(),
             dynamic_objects: Arc::default(),
             guests: Arc::default(),
+            environments: Arc::default(),
             detail: Detail::Fine,
             gloss: None,
             provenance,
@@ -159,12 +161,14 @@ impl LiveTransport {
             let start = Instant::now();
             let coarse = coarse_radiosity(&current.world, &settings.radiosity);
             current.radiosity = Arc::new(RadiositySolution::solve(&current.world, &coarse, progress)?);
+            current.environments = Arc::new(Environments::new(&current.world, &current.radiosity));
             stage("preview", start, &mut current.provenance);
             show(&current);
         }
         let start = Instant::now();
         let radiosity = RadiositySolution::solve(&current.world, &settings.radiosity, progress)?;
         current.radiosity = Arc::new(radiosity);
+        current.environments = Arc::new(Environments::new(&current.world, &current.radiosity));
         stage("radiosity", start, &mut current.provenance);
         if let Some(volume) = &settings.volume {
             show(&current);
@@ -269,6 +273,7 @@ impl LiveTransport {
         if let Some(volume) = &self.current.volume {
             self.current.volume = Some(Arc::new(volume.relight(world, &*radiosity, changed)));
         }
+        self.current.environments = Arc::new(self.current.environments.relit(world, &radiosity));
         self.current.radiosity = radiosity;
     }
 

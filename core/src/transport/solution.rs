@@ -2,6 +2,7 @@
 
 use super::guests::Guest;
 use crate::{
+    glossy::environment::Environments,
     irradiance_volume::{
         IrradianceVolume,
         dynamic_object::{Detail, DynamicObject, Gloss},
@@ -29,6 +30,8 @@ pub struct LightTransportSolution {
     pub dynamic_objects: Arc<BTreeMap<u32, DynamicObject>>,
     /// Things put in after the solve, each lit from a volume of its own.
     pub guests: Arc<Vec<Guest>>,
+    /// The light around curved reflectors.
+    pub environments: Arc<Environments>,
     /// How finely the moved objects ask the volume.
     pub detail: Detail,
     /// How the movable objects shine; `None` where they are diffuse.

@@ -1,0 +1,240 @@
+//! Curved reflectors by environment maps: the radiance at their place, read along the mirrored direction.
+//!
+//! A flat reflector has one mirrored view, a curved one has none. What it shows is taken from the light around
+//! its middle, as a radiance sphere holds it (Bastos 1999, §8.2.1 proposes environment maps for it; Blinn and
+//! Newell 1976 made the first), blurred beforehand by the lobe (Miller and Hoffman 1984). The light does not
+//! come from infinity: with each texel goes the distance of what it shows, and the direction that is looked up
+//! is the one from the middle to what the mirrored ray meets, in two steps.
+//!
+//! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
+//!
+//! Limits: the reflector does not see itself; near things shift as if on a sphere of their own distance; a lobe
+//! is as wide at every angle as it is at normal incidence, and a lobe's light is not dimmed by its own shadowing.
+
+use crate::{
+    irradiance_volume::panorama::{direction, place},
+    math::{frame::frame_from_normal, part::Part, random::r2_point},
+    mirror::reflectors::{NO_REFLECTOR, Reflectors},
+    radiosity::RadiositySolution,
+    scene::{
+        accel::Ray,
+        brdf::{Lobe, Specular},
+        world::World,
+    },
+};
+use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
+use std::{collections::BTreeMap, f32::consts::FRAC_1_PI, sync::Arc};
+
+/// Curved reflectors with a map, at most: the largest.
+pub const MOST_MAPS: usize = 16;
+
+/// Rows of the map of an ideal mirror, and of any wider lobe; columns are twice as many.
+const ROWS: [u32; 2] = [128, 64];
+
+/// Mirrors that a ray is followed through.
+const MOST_REFLECTIONS: u32 = 8;
+
+/// Directions of a lobe that a texel is the mean of.
+const LOBE_DIRECTIONS: u32 = 128;
+
+/// What a ray from the middle of a reflector met.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    triangle: u32,
+    barycentric: Vec2,
+    direction: Vec3,
+    /// What mirrors on the way left of it.
+    left: Vec3,
+}
+
+/// The light around one curved reflector.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Its object and material.
+    pub of: (u32, u32),
+    /// Where the light was gathered, m.
+    pub centre: Vec3,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Radiance in cd/m² and distance in m, row by row from +y, columns from −z to +x.
+    pub texels: Vec<Vec4>,
+    alpha: f32,
+    /// For each texel what its ray met, lit or not.
+    ends: Arc<Vec<(f32, Option<End>)>>,
+}
+
+/// The maps of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Environments {
+    /// One a curved reflector.
+    pub list: Vec<Environment>,
+}
+
+impl Environments {
+    /// Casts the rays of the largest curved reflectors and reads the light at their ends.
+    pub fn new(world: &World, radiosity: &RadiositySolution) -> Self {
+        let geometry = &world.geometry;
+        if !geometry.is_specular() {
+            return Self::default();
+        }
+        let reflectors = Reflectors::new(geometry);
+        let mut curved: BTreeMap<(u32, u32), (f32, Vec3, Vec3)> = BTreeMap::new();
+        for t in 0..geometry.len() as u32 {
+            if !geometry.material_of(t).is_specular() || reflectors.of(t) != NO_REFLECTOR {
+                continue;
+            }
+            let of = (geometry.object[t as usize], geometry.material[t as usize]);
+            let (area, low, high) = curved.entry(of).or_insert((0.0, Vec3::INFINITY, Vec3::NEG_INFINITY));
+            *area += 0.5 * geometry.area_normal(t).length();
+            for corner in geometry.positions[t as usize] {
+                (*low, *high) = (low.min(corner), high.max(corner));
+            }
+        }
+        let mut curved: Vec<_> = curved.into_iter().collect();
+        curved.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
+        curved.truncate(MOST_MAPS);
+        let list = curved
+            .into_iter()
+            .map(|(of, (_, low, high))| {
+                let alpha = geometry.materials[of.1 as usize].alpha().unwrap_or(0.0);
+                let rows = ROWS[usize::from(alpha > 0.0)];
+                let (centre, size) = (0.5 * (low + high), [2 * rows, rows]);
+                let ends = (0..2 * rows * rows)
+                    .into_par_iter()
+                    .map(|i| end(world, of.0, Ray::new(centre, texel_direction(i, size))))
+                    .collect();
+                let environment =
+                    Environment { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) };
+                environment.relit(world, radiosity)
+            })
+            .collect();
+        Self { list }
+    }
+
+    /// The same rays under the light of another solution.
+    pub fn relit(&self, world: &World, radiosity: &RadiositySolution) -> Self {
+        Self { list: self.list.iter().map(|e| e.relit(world, radiosity)).collect() }
+    }
+
+    /// The number of the map of an object's material, if it has one.
+    pub fn number(&self, object: u32, material: u32) -> Option<usize> {
+        self.list.iter().position(|e| e.of == (object, material))
+    }
+}
+
+impl Environment {
+    fn relit(&self, world: &World, radiosity: &RadiositySolution) -> Self {
+        let sharp: Vec<Vec4> = self
+            .ends
+            .par_iter()
+            .map(|(distance, end)| end.map_or(Vec3::ZERO, |e| light(world, radiosity, &e)).extend(*distance))
+            .collect();
+        let sharp = Self { texels: sharp, ..self.clone() };
+        if self.alpha == 0.0 {
+            return sharp;
+        }
+        // The lobe seen along the normal, F = 1, turned to each texel.
+        let lobe = Lobe::Ggx { alpha: self.alpha };
+        let drawn = (0..LOBE_DIRECTIONS).filter_map(|i| {
+            let wi = lobe.sample(Vec3::Z, Vec3::Z, r2_point(i, 5))?;
+            let weight = lobe.value(Vec3::Z, wi, Vec3::Z) * wi.z / lobe.density(Vec3::Z, wi, Vec3::Z);
+            weight.is_finite().then_some((wi, weight))
+        });
+        let drawn: Vec<(Vec3, f32)> = drawn.collect();
+        let total: f32 = drawn.iter().map(|d| d.1).sum();
+        let texels = (0..self.texel_count())
+            .into_par_iter()
+            .map(|i| {
+                let frame = frame_from_normal(texel_direction(i, self.size));
+                let sum =
+                    drawn.iter().fold(Vec4::ZERO, |sum, (wi, w)| sum + sharp.texel_at(frame * *wi) * *w);
+                let mean = sum / total;
+                mean.truncate().extend(sharp.texels[i as usize].w)
+            })
+            .collect();
+        Self { texels, ..sharp }
+    }
+
+    fn texel_count(&self) -> u32 {
+        self.size[0] * self.size[1]
+    }
+
+    /// Radiance and distance between the texels around a unit direction. Has a twin in
+    /// `shaders/glossy/environment.wgsl`, as has [`Self::radiance`].
+    fn texel_at(&self, direction: Vec3) -> Vec4 {
+        let [w, h] = self.size;
+        let Vec2 { x, y } = place(direction) * Vec2::new(w as f32, h as f32) - 0.5;
+        let y = y.clamp(0.0, (h - 1) as f32);
+        let (column, row) = (x.floor(), (y.floor() as u32).min(h - 2));
+        let (fx, fy) = (x - column, y - row as f32);
+        let left = (column as i32).rem_euclid(w as i32) as u32;
+        let right = (left + 1) % w;
+        let at = |x: u32, y: u32| self.texels[(y * w + x) as usize];
+        let along = |y: u32| at(left, y).lerp(at(right, y), fx);
+        along(row).lerp(along(row + 1), fy)
+    }
+
+    /// Radiance that arrives at a point of the reflector along −`direction`, the lobe's mean, cd/m².
+    pub fn radiance(&self, position: Vec3, direction: Vec3) -> Vec3 {
+        let from = position - self.centre;
+        let mut along = direction;
+        for _ in 0..2 {
+            let distance = self.texel_at(along).w;
+            let b = from.dot(direction);
+            let inside = b * b - from.length_squared() + distance * distance;
+            if inside > 0.0 {
+                along = (from + direction * (inside.sqrt() - b)).normalize_or(direction);
+            }
+        }
+        self.texel_at(along).truncate()
+    }
+
+    /// What the reflector's lobe sends towards `wo`, cd/m²: F(θ) times the lobe's mean.
+    pub fn reflected(&self, position: Vec3, normal: Vec3, wo: Vec3, specular: &Specular) -> Vec3 {
+        let cosine = normal.dot(wo);
+        specular.reflectance(cosine) * self.radiance(position, 2.0 * cosine * normal - wo)
+    }
+}
+
+/// Direction through the middle of a texel.
+fn texel_direction(i: u32, [w, h]: [u32; 2]) -> Vec3 {
+    direction(Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) / Vec2::new(w as f32, h as f32))
+}
+
+/// Where a ray from within an object ends, past that object and by way of mirrors; its distance is that to what
+/// it met first, or to far away.
+fn end(world: &World, object: u32, ray: Ray) -> (f32, Option<End>) {
+    const FAR: f32 = 1e6;
+    let geometry = &world.geometry;
+    let (mut ray, mut left, mut distance) = (ray, Vec3::ONE, None);
+    for _ in 0..MOST_REFLECTIONS {
+        let hit = loop {
+            let Some(hit) = world.accel.trace(&ray) else { return (distance.unwrap_or(FAR), None) };
+            if geometry.object[hit.triangle as usize] != object {
+                break hit;
+            }
+            ray.t_min = hit.t * (1.0 + 1e-5) + 1e-6;
+        };
+        distance = distance.or(Some(hit.t));
+        let surface = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+        let mirror = geometry.brdf(&surface).specular.filter(|s| s.is_mirror());
+        let Some(mirror) = mirror else {
+            let (triangle, barycentric, direction) = (hit.triangle, hit.barycentric, ray.direction);
+            return (distance.unwrap_or(FAR), Some(End { triangle, barycentric, direction, left }));
+        };
+        left *= mirror.reflectance(-ray.direction.dot(surface.normal));
+        ray = surface.mirrored(ray.direction);
+    }
+    (distance.unwrap_or(FAR), None)
+}
+
+/// Radiance that leaves the end of a ray towards where it came from, cd/m²: emitted, reflected diffusely, and by a
+/// lobe as if it were as wide as the hemisphere.
+fn light(world: &World, radiosity: &RadiositySolution, end: &End) -> Vec3 {
+    let surface = world.geometry.surface(end.triangle, end.barycentric, end.direction);
+    let brdf = world.geometry.brdf(&surface);
+    let e = radiosity.irradiance(end.triangle, end.barycentric, surface.back, Part::All);
+    let lobe = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(-end.direction.dot(surface.normal)));
+    end.left * (world.geometry.emission(&surface) + (brdf.diffuse + lobe) * e * FRAC_1_PI)
+}

@@ -1,0 +1,106 @@
+//! Curved reflectors by maps of the light around them.
+
+use glam::{Affine3A, Vec3};
+use lumenscope_core::{
+    glossy::environment::Environments,
+    math::{frame::uniform_direction, random::Rng},
+    reference::{path::PathTracer, radiance::radiance_with},
+    scene::{Scene, accel::Ray, camera::Camera, material::Material, mesh::Mesh},
+    superposition::{PassSettings, composite::DirectQuality, layers::Layer, render},
+    transport::LightTransportSolution,
+};
+use lumenscope_tests::{add, box_room, cornell, solved};
+use rayon::prelude::*;
+
+/// A ball of radius 1 around the origin.
+fn ball() -> Mesh {
+    let (rings, sides) = (24u32, 48u32);
+    let mut mesh = Mesh::default();
+    for ring in 0..=rings {
+        for side in 0..=sides {
+            let (sin, cos) = (std::f32::consts::PI * ring as f32 / rings as f32).sin_cos();
+            let (x, z) = (std::f32::consts::TAU * side as f32 / sides as f32).sin_cos();
+            let p = Vec3::new(sin * x, cos, sin * z);
+            mesh.positions.push(p);
+            mesh.normals.push(p.normalize_or(Vec3::Y * cos.signum()));
+            mesh.uvs.push(Default::default());
+        }
+    }
+    for ring in 0..rings {
+        for side in 0..sides {
+            let a = ring * (sides + 1) + side;
+            let below = a + sides + 1;
+            mesh.triangles.extend([[a, below, a + 1], [a + 1, below, below + 1]]);
+        }
+    }
+    mesh
+}
+
+fn with_ball(mut scene: Scene, at: Vec3, radius: f32, roughness: f32) -> Scene {
+    let metal = Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
+    let ball = add(&mut scene, "ball", ball(), metal);
+    scene.objects[ball].world_from_object =
+        Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(radius));
+    scene
+}
+
+#[test]
+fn constant_light_is_mirrored_as_it_is() {
+    for roughness in [0.0, 0.3] {
+        let solution = solved(with_ball(box_room(0.5, 10.0), Vec3::ZERO, 0.01, roughness), 0.4);
+        let [map] = &solution.environments.list[..] else { panic!("one curved reflector") };
+        for i in 0..200 {
+            let mut rng = Rng::new(2, i);
+            let (n, d) = (uniform_direction(rng.next_vec2()), uniform_direction(rng.next_vec2()));
+            let l = map.radiance(0.01 * n, d).x;
+            // 10 / (1 − ½), up to the noise of radiosity.
+            assert!((l / 20.0 - 1.0).abs() < 0.01, "{l}");
+        }
+    }
+}
+
+/// Mean absolute difference to the path tracer where the ball is seen, over the mean there.
+fn error(solution: &LightTransportSolution) -> f64 {
+    let (camera, [w, h]) = (solution.scene.camera, [48, 48]);
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, layers) = render(solution, &camera, w, h, &settings);
+    let tracer = PathTracer::new(&solution.world);
+    let ball = solution.scene.objects.len() as u32 - 1;
+    let pixels: Vec<usize> = (0..buffer.triangle.len())
+        .filter(|&i| buffer.surface(&solution.world, &camera, i).is_some())
+        .filter(|&i| {
+            let surface = buffer.surface(&solution.world, &camera, i).unwrap();
+            solution.world.geometry.object[surface.triangle as usize] == ball
+        })
+        .collect();
+    assert!(pixels.len() > 300, "{}", pixels.len());
+    let found: Vec<[f64; 2]> = pixels
+        .par_iter()
+        .map(|&i| {
+            let surface = buffer.surface(&solution.world, &camera, i).unwrap();
+            let ray = Ray::new(camera.eye, (surface.position - camera.eye).normalize());
+            let wanted = radiance_with(&tracer, &ray, 256, i as u64).mean;
+            let shown = layers.get(Layer::Mirror).pixels[i] + layers.get(Layer::Glossy).pixels[i];
+            [f64::from((shown - wanted).abs().x), f64::from(wanted.x)]
+        })
+        .collect();
+    let [off, all] = found.iter().fold([0.0; 2], |s, f| [s[0] + f[0], s[1] + f[1]]);
+    off / all
+}
+
+#[test]
+fn a_ball_shows_the_room_around_it() {
+    for (roughness, radius) in [(0.0, 0.05), (0.0, 0.35), (0.3, 0.35)] {
+        let mut scene = with_ball(cornell(), Vec3::new(0.35, 1.2, 0.2), radius, roughness);
+        let eye = Vec3::new(0.35, 1.3, 0.2 + 5.0 * radius);
+        let vertical_fov = 2.0 * 0.22f32.atan();
+        scene.camera = Camera { eye, target: Vec3::new(0.35, 1.2, 0.2), vertical_fov, ..scene.camera };
+        let solution = solved(scene, 0.15);
+        let plain = LightTransportSolution { environments: Default::default(), ..solution.clone() };
+        let [by_map, as_wide] = [error(&solution), error(&plain)];
+        println!("roughness {roughness}, radius {radius}: {by_map:.3} by the map, {as_wide:.3} as if dull");
+        assert!(by_map < 0.5 * as_wide, "{by_map} {as_wide}");
+    }
+    let dull = solved(cornell(), 0.4);
+    assert!(Environments::new(&dull.world, &dull.radiosity).list.is_empty());
+}
