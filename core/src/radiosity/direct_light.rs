@@ -39,8 +39,8 @@ pub(super) struct EmitterLight {
 #[derive(Debug)]
 struct Tables {
     direct: Vec<Vec3>,
-    /// By way of specular lobes; empty where there are none.
-    passed_on: Vec<Vec3>,
+    /// By way of specular lobes, and the variance of its luminance; empty where there are none.
+    passed_on: Vec<(Vec3, f32)>,
 }
 
 impl EmitterLight {
@@ -79,16 +79,18 @@ impl EmitterLight {
             tables.passed_on =
                 irradiance(transport, shadow_rays, seed, progress, |element, receivers, rays| {
                     let by_images = lobes.images.mean_irradiance(world, &full, receivers, rays);
-                    let Some(seen) = &transport.seen[element] else { return by_images };
+                    let Some(seen) = &transport.seen[element] else { return (by_images, 0.0) };
                     let first = first_of(stride, element, seed32);
                     let scramble = hash2(element as u32, seed32 ^ 0x51EC);
-                    let by_lobes = lobes.irradiance(world, &full, seen, (first, stride), scramble);
-                    by_images + by_lobes / transport.rays.max(1) as f32
+                    let (sum, squares) = lobes.irradiance(world, &full, seen, (first, stride), scramble);
+                    let rays = transport.rays.max(1) as f32;
+                    (by_images + sum / rays, squares / (rays * rays))
                 })?;
         }
         if matches!(emitter, Emitter::Area(area) if area.textured) {
             // A texture is read with the dimmer applied.
-            tables.direct.iter_mut().chain(&mut tables.passed_on).for_each(|e| *e /= dimmer);
+            let passed_on = tables.passed_on.iter_mut().map(|(e, _)| e);
+            tables.direct.iter_mut().chain(passed_on).for_each(|e| *e /= dimmer);
         }
         let at_full = Some(Arc::new(tables));
         Ok(Self { placement, dimmer, at_full })
@@ -123,13 +125,13 @@ impl EmitterLight {
             .unwrap_or_else(|_| self.clone())
     }
 
-    /// Adds this light to what arrives directly and by way of lobes, lx.
-    pub fn add_to(&self, direct: &mut [Vec3], passed_on: &mut [Vec3]) {
+    /// Adds this light to what arrives directly, to what arrives by way of lobes and to the variance of that, lx.
+    pub fn add_to(&self, direct: &mut [Vec3], passed_on: &mut [Vec3], variance: &mut [f32]) {
         let Some(tables) = &self.at_full else { return };
-        for (sums, table) in [(direct, &tables.direct), (passed_on, &tables.passed_on)] {
-            for (sum, e) in sums.iter_mut().zip(table) {
-                *sum += *e * self.dimmer;
-            }
+        direct.iter_mut().zip(&tables.direct).for_each(|(sum, e)| *sum += *e * self.dimmer);
+        for ((sum, variance), (e, v)) in passed_on.iter_mut().zip(variance).zip(&tables.passed_on) {
+            *sum += *e * self.dimmer;
+            *variance += v * self.dimmer * self.dimmer;
         }
     }
 
@@ -165,13 +167,13 @@ fn at_full(world: &World, emitter: &Emitter) -> Emitter {
 }
 
 /// One value an element: what `light` makes of its number, points of its footprint and rays a point.
-fn irradiance(
+fn irradiance<T: Default + Send>(
     transport: &Transport,
     shadow_rays: u32,
     seed: u64,
     progress: &Progress,
-    light: impl Fn(usize, &[(&Receiver, u32)], u32) -> Vec3 + Sync,
-) -> Result<Vec<Vec3>, Cancelled> {
+    light: impl Fn(usize, &[(&Receiver, u32)], u32) -> T + Sync,
+) -> Result<Vec<T>, Cancelled> {
     const BLOCK: usize = 4096;
     let seed = seed as u32 ^ (seed >> 32) as u32;
     let elements = &transport.map.elements;
@@ -180,7 +182,7 @@ fn irradiance(
         progress.report((block * BLOCK) as f32 / elements.len() as f32)?;
         table.par_extend(chunk.par_iter().enumerate().with_min_len(64).map(|(i, element)| {
             if element.flags & UNSOLVED != 0 {
-                return Vec3::ZERO;
+                return T::default();
             }
             let number = block * BLOCK + i;
             let footprint = transport.map.footprint(number);

@@ -262,7 +262,8 @@ impl RadiositySolution {
     ) -> Result<Self, RadiosityError> {
         let mut direct = vec![Vec3::ZERO; transport.map.elements.len()];
         let mut passed_on = direct.clone();
-        lights.iter().for_each(|light| light.add_to(&mut direct, &mut passed_on));
+        let mut chance = vec![0.0; direct.len()];
+        lights.iter().for_each(|light| light.add_to(&mut direct, &mut passed_on, &mut chance));
         let light = solve::Light { direct: &direct, passed_on: &passed_on };
         let (mut gathered, convergence) =
             solve::indirect(&transport, light, start, settings.tolerance, max_sweeps, progress)?;
@@ -272,7 +273,8 @@ impl RadiositySolution {
         let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
         if settings.smoothing > 0.0 {
             let by_rays: Vec<Vec3> = gathered.iter().zip(&passed_on).map(|(g, p)| *g - *p).collect();
-            let variances = smooth::variances(&transport, &radiosity, &by_rays);
+            let mut variances = smooth::variances(&transport, &radiosity, &by_rays);
+            variances.iter_mut().zip(&chance).for_each(|(v, c)| *v += c);
             indirect = smooth::smooth(&transport, &gathered, &variances, settings.smoothing);
             transport.fill(&mut indirect);
             radiosity = reflected(&indirect);

@@ -12,7 +12,10 @@
 //! where the objects stood; of emitters that moved since, what rays met by chance is left out.
 
 use crate::{
-    math::random::{Rng, hash2},
+    math::{
+        colour::luminance,
+        random::{Rng, hash2},
+    },
     mirror::thrown::Images,
     scene::{
         accel::{Hit, Ray},
@@ -30,8 +33,13 @@ use std::{collections::HashMap, f32::consts::PI};
 /// Lobes that a ray follows, at most.
 const MOST_LOBES: u32 = 32;
 
-/// Share of the light below which a ray goes on by chance, in proportion.
-const SURE_SHARE: f32 = 0.25;
+/// Share of the light below which a ray goes on by chance, in proportion: what a coat reflects of what falls on it
+/// straight. Lamps are small and bright, few rays meet one.
+const SURE_SHARE: f32 = 0.04;
+
+/// Share of the light below which a dull element met, or a place on a lobe, is remembered by chance only: there are
+/// many of those, and each gives little.
+const SURE_TO_REMEMBER: f32 = 0.25;
 
 /// Places on lobes asked for an emitter, about, while something moves and when it rests.
 pub(super) const PLACES: [usize; 2] = [1 << 15, 1 << 20];
@@ -118,9 +126,11 @@ impl Lobes {
             }
             left /= survival;
             let mirror = brdf.specular.is_some_and(|s| s.is_mirror());
-            if !mirror {
+            let xi = rng.next_f32();
+            let remembered = (expected.max_element() / survival / SURE_TO_REMEMBER).min(1.0);
+            if !mirror && xi < remembered {
                 let Hit { triangle, barycentric, .. } = hit;
-                seen.places.push(Place { triangle, barycentric, direction, factor: left });
+                seen.places.push(Place { triangle, barycentric, direction, factor: left / remembered });
             }
             let Some(drawn) = brdf.sample(surface.normal, wo, 0.0, rng.next_vec2()) else { return };
             if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
@@ -148,15 +158,18 @@ impl Lobes {
                     seen.emissions.push(Emission { triangle: next.triangle, uv: met.uv, factor });
                 }
             }
-            if let Some(element) = element(&next, drawn.wi, rng.next_f32()) {
-                seen.elements.push((element, left));
+            let (xi, remembered) = (rng.next_f32(), (left.max_element() / SURE_TO_REMEMBER).min(1.0));
+            let met = if xi < remembered { element(&next, drawn.wi, rng.next_f32()) } else { None };
+            if let Some(element) = met {
+                seen.elements.push((element, left / remembered));
             }
             (hit, direction) = (next, drawn.wi);
         }
     }
 
     /// Irradiance of an element from one emitter by way of lobes but for [`Images`], times the number of its rays,
-    /// lx per channel. Every `stride`-th place is asked, from the `first` on.
+    /// lx per channel; and the sum of the squares of what it is the sum of, in luminance. Every `stride`-th place
+    /// is asked, from the `first` on.
     pub fn irradiance(
         &self,
         world: &World,
@@ -164,9 +177,13 @@ impl Lobes {
         seen: &Seen,
         (first, stride): (usize, usize),
         scramble: u32,
-    ) -> Vec3 {
+    ) -> (Vec3, f32) {
         let geometry = &world.geometry;
-        let (mut sum, mut moved) = (Vec3::ZERO, false);
+        let (mut sum, mut squares, mut moved) = (Vec3::ZERO, 0.0, false);
+        let mut add = |light: Vec3| {
+            sum += light;
+            squares += luminance(light).powi(2);
+        };
         if let Emitter::Area(area) = emitter {
             let object = area.object as usize;
             moved = self.placements.get(object) != Some(&geometry.world_from_object[object]);
@@ -175,11 +192,12 @@ impl Lobes {
             for emission in &seen.emissions {
                 if !moved && emitter_of(geometry, emission.triangle) == own {
                     let material = geometry.material_of(emission.triangle);
-                    sum += emission.factor * material.emission_at(emission.uv, &geometry.textures) * dimmer;
+                    add(emission.factor
+                        * material.emission_at(emission.uv, &geometry.textures)
+                        * (dimmer * PI));
                 }
             }
         }
-        let mut asked = Vec3::ZERO;
         for (i, place) in seen.places.iter().enumerate().skip(first).step_by(stride) {
             let surface = geometry.surface(place.triangle, place.barycentric, place.direction);
             let Some(brdf) = lobe(geometry, &surface) else { continue };
@@ -197,10 +215,10 @@ impl Lobes {
             let [_, value] = brdf.value(normal, wi, wo);
             let light = place.factor * value * sample.radiance_over_density * (normal.dot(wi) * weight);
             if light != Vec3::ZERO && light.is_finite() && !world.accel.occluded(&sample.ray) {
-                asked += light;
+                add(light * (stride as f32 * PI));
             }
         }
-        (sum + asked * stride as f32) * PI
+        (sum, squares)
     }
 }
 
