@@ -4,12 +4,13 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::random::Rng,
     reference::{
-        expression::{Expression, ExpressionError},
+        expression::{Bounces, Expression, ExpressionError},
         path::PathTracer,
     },
     scene::{accel::Ray, camera::Camera, world::World},
+    superposition::{PassSettings, composite::DirectQuality, render},
 };
-use lumenscope_tests::{box_room, cornell};
+use lumenscope_tests::{box_room, cornell, solved};
 
 fn paths(text: &str) -> Expression {
     text.parse().unwrap()
@@ -126,4 +127,51 @@ fn parts_of_the_light_sum_to_all_of_it() {
     let terms = PathTracer::new(&world)
         .radiance(&Ray::new(camera.eye, camera.ray_direction(Vec2::splat(0.5), 1.0)), &mut Rng::new(1, 1));
     assert!(terms.all().iter().all(|t| t.is_finite()));
+}
+
+#[test]
+fn the_diffuse_bounces_that_are_meant_are_found() {
+    for (text, counted, rest) in [
+        ("LD*E", vec![true], true),
+        ("LDE|LE", vec![true, true], false),
+        ("LD{2}E", vec![false, false, true], false),
+        ("LD{3}D*E", vec![false, false, false, true], true),
+        ("L(D|S)*SE", vec![false], false),
+    ] {
+        assert_eq!(paths(text).bounces(), Bounces { counted, rest }, "{text}");
+    }
+    // Every other one: as many as are told apart.
+    let every_other = paths("L(DD)*E").bounces();
+    assert!(every_other.counted.iter().enumerate().all(|(k, counted)| *counted == (k % 2 == 0)));
+    assert!(every_other.counted.len() > 100 && !every_other.rest);
+}
+
+#[test]
+fn radiosity_shows_single_bounces_as_the_path_tracer_does() {
+    let solution = solved(cornell(), 0.15);
+    let camera = solution.scene.camera;
+    let settings = PassSettings { direct: DirectQuality::PerPixel(16), ..PassSettings::default() };
+    let shown = |text: &str| {
+        let (of_paths, terms) = solution.with_paths(&paths(text)).unwrap();
+        let (_, layers) = render(&of_paths, &camera, 32, 32, &settings);
+        let [e, d, i, s] = terms.map(|t| f32::from(u8::from(t)));
+        f64::from(layers.sum([e, d, i, s, s]).mean().x)
+    };
+    for text in ["LD{2}E", "LD{3}E", "LD{2}D+E", "LE|LD{3}E"] {
+        let [wanted, error] = mean(&solution.world, &camera, Some(&paths(text)), 60_000);
+        let found = shown(text);
+        println!("{text}: {found:.4} for {wanted:.4} ± {error:.4}");
+        // Radiosity's own bound, 1.5 % of the mean, and three standard errors.
+        assert!(
+            (found - wanted).abs() < 0.015 * wanted + 3.0 * error,
+            "{text}: {found} for {wanted} ± {error}"
+        );
+    }
+    // Bounces sum to what the solver found at once.
+    let sum = ["LE", "LDE", "LD{2}E", "LD{3}E", "LD{3}D+E"].map(shown).iter().sum::<f64>();
+    assert!((sum / shown("LD*E") - 1.0).abs() < 2e-3, "{sum}");
+    // With something polished only the path tracer knows.
+    let mut scene = cornell();
+    scene.materials[1].roughness = 0.1;
+    assert!(solved(scene, 0.5).with_paths(&paths("LD{2}E")).is_none());
 }

@@ -301,8 +301,21 @@ fn weights_and_light_paths_agree() {
     assert_eq!(look(&mut session, &|v| v.camera.eye.y += 0.1), [Effect::DropReference]);
     assert!(session.apply(Command::StartReference).is_empty());
 
-    // No weights show two bounces: there is nothing that the reference could be compared with.
+    // Where nothing is polished radiosity tells single bounces apart.
+    assert_eq!(look(&mut session, &|v| v.paths = "LDE|LD{3}E".into()), [Effect::Reference]);
+    assert_eq!(
+        (session.document.view.weights, session.document.view.compare),
+        ([0.0, 1.0, 1.0, 0.0, 0.0], Compare::Difference)
+    );
+    assert!(session.light_paths.single_bounces().is_some());
+
+    // Else no weights show two of them: there is nothing that the reference could be compared with.
+    let mut polished = (**SCENE).clone();
+    polished.materials[0].roughness = 0.1;
+    let view = session.document.view.clone();
+    session.open(Document { view, ..Document::default() }, Arc::new(polished), None, false);
     assert_eq!(look(&mut session, &|v| v.paths = "LD{2}E".into()), [Effect::Reference]);
+    assert!(session.light_paths.single_bounces().is_none());
     assert_eq!(session.document.view.compare, Compare::Reference);
     look(&mut session, &|v| v.compare = Compare::Difference);
     assert_eq!(session.document.view.compare, Compare::Reference);

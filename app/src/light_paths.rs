@@ -6,6 +6,7 @@
 
 use lumenscope_core::{
     reference::expression::{Expression, ExpressionError},
+    scene::Scene,
     superposition::layers::{COUNT, Weights},
 };
 
@@ -27,8 +28,9 @@ pub enum LightPaths {
 }
 
 impl LightPaths {
-    /// Reads what was typed; nothing is all light.
-    pub fn read(text: &str) -> Self {
+    /// Reads what was typed; nothing is all light. In a `dull` scene, in which nothing is specular, radiosity tells
+    /// every expression's light apart.
+    pub fn read(text: &str, dull: bool) -> Self {
         if text.trim().is_empty() {
             return Self::All;
         }
@@ -37,7 +39,8 @@ impl LightPaths {
                 let weights = |[emitted, direct, indirect, specular]: [bool; 4]| {
                     [emitted, direct, indirect, specular, specular].map(|on| f32::from(u8::from(on)))
                 };
-                let weights = expression.of_terms().map(weights);
+                let terms = expression.of_terms().or_else(|| dull.then(|| expression.bounces().terms()));
+                let weights = terms.map(weights);
                 Self::Some { expression: Box::new(expression), weights }
             }
             Err(error) => Self::Unreadable(error),
@@ -50,6 +53,16 @@ impl LightPaths {
             Self::All => Some([1.0; COUNT]),
             Self::Some { weights, .. } => *weights,
             Self::Unreadable(_) => None,
+        }
+    }
+
+    /// The expression if it means single bounces that radiosity tells apart.
+    pub fn single_bounces(&self) -> Option<&Expression> {
+        match self {
+            Self::Some { expression, weights: Some(_) } => {
+                Some(&**expression).filter(|e| e.of_terms().is_none())
+            }
+            _ => None,
         }
     }
 
@@ -70,4 +83,9 @@ impl LightPaths {
             Self::Unreadable(error) => Err(error),
         }
     }
+}
+
+/// Whether nothing in a scene is specular.
+pub fn is_dull(scene: &Scene) -> bool {
+    !scene.materials.iter().any(|m| m.is_specular())
 }

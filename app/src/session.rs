@@ -15,7 +15,7 @@ use crate::{
     grid_view::GridView,
     history::{History, Key},
     journal::Journal,
-    light_paths::LightPaths,
+    light_paths::{LightPaths, is_dull},
     lightmaps::{JudgedLightmap, LightmapFile},
     pipeline::VolumeSource,
     widgets::Probe,
@@ -216,7 +216,7 @@ impl Session {
         self.bases = vec![(document.edits.added.clone(), Arc::clone(&scene))];
         self.base = Some(scene);
         self.saved = document.edits.clone();
-        self.light_paths = LightPaths::read(&document.view.paths);
+        self.light_paths = LightPaths::read(&document.view.paths, self.base.as_deref().is_some_and(is_dull));
         if !document.view.paths.is_empty() {
             document.view.weights = self.light_paths.weights().unwrap_or(document.view.weights);
         }
@@ -469,7 +469,8 @@ impl Session {
         let old = &self.document.view;
         let mut other = false;
         if view.paths != old.paths {
-            self.light_paths = LightPaths::read(&view.paths);
+            let dull = self.scene.as_deref().is_some_and(is_dull);
+            self.light_paths = LightPaths::read(&view.paths, dull);
             view.weights = self.light_paths.weights().unwrap_or(view.weights);
             other = self.light_paths.traced().is_ok();
         } else if view.weights != old.weights && !view.paths.is_empty() {

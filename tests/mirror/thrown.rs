@@ -1,11 +1,13 @@
 //! What mirrors and glossy surfaces throw onto dull ones.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     math::{colour::luminance, part::Part, progress::Progress, random::r2_point},
     radiosity::{RadiositySettings, RadiositySolution},
     reference::{irradiance::irradiance_with, path::PathTracer, path::receiver_of},
-    scene::{Scene, accel::Ray, fresnel, geometry::Surface, material::Material, world::World},
+    scene::{
+        Scene, accel::Ray, fresnel, geometry::Surface, lamp::LampKind, material::Material, world::World,
+    },
 };
 use lumenscope_tests::{
     add, add_point_lamp, box_room, cornell, diffuse,
@@ -49,51 +51,70 @@ fn a_furnace_with_perfect_mirrors_for_walls_is_still_a_furnace() {
     assert!((mean - 1.0).abs() < 0.005 && worst < 0.05, "mean {mean}, worst off by {worst}");
 }
 
-#[test]
-fn a_mirror_throws_a_lamps_light_as_its_image_would() {
+/// A floor, a golden mirror beside it that may reflect on both sides, and a lamp without a surface.
+fn lamp_and_mirror(kind: LampKind, double_sided: bool) -> Scene {
     let mut scene = Scene::default();
     let floor = rectangle(Vec3::new(0.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
     add(&mut scene, "floor", floor, diffuse("floor", Vec3::splat(0.5), Vec3::ZERO));
-    let gold = Vec3::new(0.9, 0.7, 0.4);
-    let wall = rectangle(Vec3::new(0.0, 0.5, -1.0), Vec3::Y * 1.0, Vec3::Z * 2.0);
-    add(&mut scene, "mirror", wall, metal(gold, 0.0));
-    let (lamp, intensity) = (Vec3::new(1.0, 2.0, 0.1), Vec3::new(100.0, 80.0, 60.0));
-    add_point_lamp(&mut scene, lamp, intensity);
-    let (world, solution) = solve(&scene, 0.1, 16);
-    let tracer = PathTracer::new(&world);
-    let image = lamp * Vec3::new(-1.0, 1.0, 1.0);
-    let (mut lit, mut dark) = (0, 0);
-    for i in 0..400 {
-        let p = r2_point(i, 3) * Vec2::new(4.0, 4.0) - Vec2::Y * 2.0;
-        let p = Vec3::new(p.x, 0.0, p.y);
-        // Where the way to the image crosses the mirror's plane.
-        let t = p.x / (p.x - image.x);
-        let cross = p + (image - p) * t;
-        let inside = Vec2::new(cross.y - 1.0, cross.z).abs() - Vec2::new(0.5, 1.0);
-        // On the edge of the light's shape elements blur, and at the border of the floor they lie to one side.
-        if inside.max_element().abs() < 0.25 || (Vec2::new(p.x - 2.0, p.z).abs().max_element() > 1.9) {
-            continue;
+    let (y, z) = (Vec3::Y, Vec3::Z * 2.0);
+    // With its back to the floor it reflects only where it is double-sided.
+    let (u, v) = if double_sided { (z, y) } else { (y, z) };
+    let mirror = Material { double_sided, ..metal(GOLD, 0.0) };
+    add(&mut scene, "mirror", rectangle(Vec3::new(0.0, 0.5, -1.0), u, v), mirror);
+    let lamp = add_point_lamp(&mut scene, LAMP, Vec3::ZERO);
+    scene.lamps[lamp].kind = kind;
+    // A directional lamp shines along −z of its own: down and towards the mirror.
+    scene.lamps[lamp].world_from_lamp *= Affine3A::from_rotation_y(1.2) * Affine3A::from_rotation_x(-0.6);
+    scene
+}
+
+const GOLD: Vec3 = Vec3::new(0.9, 0.7, 0.4);
+const LAMP: Vec3 = Vec3::new(1.0, 2.0, 0.1);
+const LIGHT: Vec3 = Vec3::new(100.0, 80.0, 60.0);
+
+#[test]
+fn a_mirror_throws_a_lamps_light_as_its_image_would() {
+    for (kind, double_sided) in [
+        (LampKind::Point { intensity: LIGHT }, false),
+        (LampKind::Point { intensity: LIGHT }, true),
+        (LampKind::Directional { illuminance: LIGHT }, false),
+    ] {
+        let scene = lamp_and_mirror(kind.clone(), double_sided);
+        let sun = (-scene.lamps[0].axis()) * Vec3::new(-1.0, 1.0, 1.0);
+        let (world, solution) = solve(&scene, 0.1, 16);
+        let tracer = PathTracer::new(&world);
+        let (mut lit, mut dark) = (0, 0);
+        for i in 0..400 {
+            let p = r2_point(i, 3) * Vec2::new(4.0, 4.0) - Vec2::Y * 2.0;
+            let p = Vec3::new(p.x, 0.0, p.y);
+            let image = LAMP * Vec3::new(-1.0, 1.0, 1.0) - p;
+            let (to, light) = match kind {
+                LampKind::Directional { .. } => (sun, 1.0),
+                _ => (image, 1.0 / image.length_squared()),
+            };
+            // Where the way to the image crosses the mirror's plane.
+            let cross = p - to * (p.x / to.x);
+            let inside = Vec2::new(cross.y - 1.0, cross.z).abs() - Vec2::new(0.5, 1.0);
+            // On the edge of the light's shape elements blur, and at the border of the floor they lie to one side.
+            if inside.max_element().abs() < 0.25 || Vec2::new(p.x - 2.0, p.z).abs().max_element() > 1.9 {
+                continue;
+            }
+            let cosine = to.normalize();
+            let share = GOLD.map(|f| fresnel::reflectance(f, cosine.x.abs()));
+            let seen = inside.max_element() < 0.0 && to.x < 0.0;
+            let exact = if seen { LIGHT * share * (cosine.y * light) } else { Vec3::ZERO };
+            *(if seen { &mut lit } else { &mut dark }) += 1;
+            let hit = world.accel.trace(&Ray::new(p + Vec3::Y * 0.1, Vec3::NEG_Y)).unwrap();
+            let surface = world.geometry.surface(hit.triangle, hit.barycentric, Vec3::NEG_Y);
+            let traced = irradiance_with(&tracer, &receiver_of(&surface), Part::Indirect, 64, i.into()).mean;
+            let off = (traced - exact).abs().max_element();
+            assert!(off <= 1e-3 * exact.max_element(), "{kind:?} {p}: {traced} for {exact}");
+            let e = solution.irradiance(hit.triangle, hit.barycentric, false, Part::Indirect);
+            let off = (e - exact).abs().max_element();
+            assert!(off < 0.01 * exact.max_element().max(1.0), "{kind:?} {p}: {e} for {exact}");
         }
-        let to = image - p;
-        let cosine = to.normalize();
-        let share = gold.map(|f| fresnel::reflectance(f, cosine.x.abs()));
-        let exact = intensity * share * (cosine.y / to.length_squared());
-        let exact = if inside.max_element() < 0.0 { exact } else { Vec3::ZERO };
-        *(if exact == Vec3::ZERO { &mut dark } else { &mut lit }) += 1;
-        let hit = world.accel.trace(&Ray::new(p + Vec3::Y * 0.1, Vec3::NEG_Y)).unwrap();
-        let surface = world.geometry.surface(hit.triangle, hit.barycentric, Vec3::NEG_Y);
-        let traced = irradiance_with(&tracer, &receiver_of(&surface), Part::Indirect, 64, i.into()).mean;
-        assert!(
-            (traced - exact).abs().max_element() <= 1e-3 * exact.max_element(),
-            "{p}: {traced} for {exact}"
-        );
-        let e = solution.irradiance(hit.triangle, hit.barycentric, false, Part::Indirect);
-        assert!(
-            (e - exact).abs().max_element() < 0.01 * exact.max_element().max(1.0),
-            "{p}: {e} for {exact}"
-        );
+        assert!(lit > 20 && dark > 5, "{kind:?}: {lit} {dark}");
     }
-    assert!(lit > 50 && dark > 8, "{lit} {dark}");
 }
 
 /// Errors against the path tracer at points of dull surfaces.

@@ -1,12 +1,16 @@
 //! Light-path expressions typed into the window.
 
-use crate::window::Window;
+use crate::window::{Window, room};
 use egui_kittest::kittest::{NodeT, Queryable};
-use lumenscope::session::{Compare, Reference};
+use lumenscope::{
+    command::Command,
+    session::{Compare, Reference, View},
+};
 use lumenscope_core::{
     math::{colour::luminance, image::LinearImage, progress::Progress},
     reference::picture::ReferencePicture,
 };
+use std::fs;
 
 fn show(window: &mut Window, paths: &str) {
     let field = "Expression of light paths";
@@ -26,8 +30,19 @@ fn light_paths_choose_layers_or_ask_for_the_reference() {
     show(&mut window, "L(D|S)+DE");
     assert_eq!(window.view().weights, [0.0, 0.0, 1.0, 0.0, 0.0]);
     window.keep("paths");
+    let view = View { auto_exposure: false, ..window.view() };
+    window.run(Command::View(Box::new(view)));
+    window.wait_picture();
+    let indirect = window.picture();
+    // Two bounces are less light of the same layer.
     show(&mut window, "LD{2}E");
-    window.harness.get_by_label("No sum of the layers is this light: the reference shows it (R).");
+    assert_eq!(window.view().weights, [0.0, 0.0, 1.0, 0.0, 0.0]);
+    window.wait_other_picture(&indirect);
+    window.wait_picture();
+    let sum = |picture: &[u8]| picture.iter().map(|c| u64::from(*c)).sum::<u64>();
+    let of_two = window.picture();
+    assert!(sum(&of_two) < sum(&indirect), "{} {}", sum(&of_two), sum(&indirect));
+    window.keep("two_bounces");
     show(&mut window, "LD{2");
     window.harness.get_by_label_contains("a count that is not one of");
 }
@@ -73,9 +88,20 @@ fn the_reference_traces_the_expression_that_was_typed() {
         assert!(mean(&wanted) < 0.8 * mean(&all), "{paths} is not all light");
     }
     assert!(!window.harness.get_by_label("Difference").accesskit_node().is_disabled());
-    show(&mut window, "LD{3}E");
-    assert!(
-        window.harness.get_by_label("Difference").accesskit_node().is_disabled(),
-        "no layers show three bounces"
-    );
+}
+
+#[test]
+fn where_something_is_polished_only_the_reference_shows_single_bounces() {
+    let mut window = Window::empty();
+    let scene = room(window.folder.path());
+    fs::write(
+        window.folder.path().join("room.mtl"),
+        "newmtl white\nKd 0.7 0.7 0.7\nPr 0.1\nnewmtl red\nKd 0.7 0.1 0.1\n",
+    )
+    .unwrap();
+    window.run(Command::Open(scene));
+    window.wait_lit();
+    show(&mut window, "LD{2}E");
+    window.harness.get_by_label("No sum of the layers is this light: the reference shows it (R).");
+    assert!(window.harness.get_by_label("Difference").accesskit_node().is_disabled());
 }

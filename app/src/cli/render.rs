@@ -1,15 +1,18 @@
 //! `render`: picture, layers, report.
 
 use super::{Common, parse_size, report, solve, volume_options::VolumeOptions};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
+use glam::Vec3;
 use lumenscope_core::{
     gpu,
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
     math::image::LinearImage,
+    reference::expression::Expression,
     superposition::{
         composite::{self, DirectQuality, Display},
-        layers::{Layer, Layers},
+        layers::{COUNT, Layer, Layers},
         mean_of_frames,
         pass::PassSettings,
     },
@@ -39,6 +42,10 @@ pub struct Options {
     /// inf), towards the mirrored view vector above order 1.
     #[arg(long)]
     moment: Option<Order>,
+    /// Only the light of these paths, from the light L to the eye E by diffuse D and specular S reflections; where
+    /// nothing is specular any, else what is a sum of layers: LDE, "LD{2}E", "L(D|S)*SE".
+    #[arg(long)]
+    paths: Option<Expression>,
     #[command(flatten)]
     volume: VolumeOptions,
 }
@@ -73,12 +80,19 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let load_seconds = start.elapsed().as_secs_f64();
     let eye = loaded.scene.camera.eye;
     let solution = solve::solve(&loaded, false)?.with_gloss(options.moment.map(|order| Gloss { order, eye }));
+    let (solution, terms) = match &options.paths {
+        Some(paths) => of_paths(&solution, paths)?,
+        None => (solution, [true; COUNT]),
+    };
     let frames = options.frames.unwrap_or((loaded.plan.direct_samples / 2).max(4));
     let start_picture = Instant::now();
-    let (layers, backend) = picture(&solution, options.size, frames, options.backend, common.seed)?;
+    let (mut layers, backend) = picture(&solution, options.size, frames, options.backend, common.seed)?;
     let picture_seconds = start_picture.elapsed().as_secs_f64();
     let total_seconds = start.elapsed().as_secs_f64();
 
+    for (layer, _) in layers.images.iter_mut().zip(terms).filter(|(_, counts)| !counts) {
+        layer.pixels.fill(Vec3::ZERO);
+    }
     let sum = layers.total();
     let display = auto_display(&sum);
     write_png(&options.out.join("picture.png"), &sum, &display)?;
@@ -175,4 +189,18 @@ pub fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
+
+/// The light of some paths, and which layers show it.
+fn of_paths(
+    solution: &LightTransportSolution,
+    paths: &Expression,
+) -> anyhow::Result<(LightTransportSolution, [bool; COUNT])> {
+    let Some((solution, terms)) = solution.with_paths(paths) else {
+        bail!(
+            "light paths {paths}: where something is specular no layers are this light; use `reference --paths`"
+        );
+    };
+    let [emitted, direct, indirect, specular] = terms;
+    Ok((solution, [emitted, direct, indirect, specular, specular]))
 }

@@ -206,6 +206,7 @@ impl Frame<'_, '_> {
                 solution: session.solution.as_ref(),
                 reference,
                 view: &session.document.view,
+                light_paths: &session.light_paths,
                 probe: session.probe.as_ref(),
                 inspection: self.shown.inspection,
                 render_state: self.shown.render_state,

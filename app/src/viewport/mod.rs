@@ -15,12 +15,14 @@ pub mod pick;
 pub mod picture;
 pub mod request;
 pub mod screen;
+mod shown;
 
 pub use pick::{Pick, PickedSample};
 pub use picture::Backend;
 
 use crate::{
     command::Command,
+    light_paths::LightPaths,
     session::{Compare, View},
     widgets::{Probe, legend},
 };
@@ -28,14 +30,14 @@ use egui::{Color32, Rect, Sense, pos2, vec2};
 use interaction::Interaction;
 use lumenscope_core::{
     inspection::{InspectionScene, Legend},
-    irradiance_volume::dynamic_object::Gloss,
     math::image::LinearImage,
     scene::{Scene, Target, camera::Camera},
     transport::LightTransportSolution,
 };
 use picture::{Meter, Painted, Picture};
-use request::{Lit, Request, Same};
+use request::{Request, Same};
 use screen::Screen;
+use shown::Shown;
 use std::sync::Arc;
 
 /// Seconds after the last change for which things count as moving.
@@ -51,6 +53,8 @@ pub struct ViewportInput<'a> {
     pub reference: Option<&'a Arc<LinearImage>>,
     /// How it is looked at.
     pub view: &'a View,
+    /// Which of its light is shown.
+    pub light_paths: &'a LightPaths,
     /// The open spheres.
     pub probe: Option<&'a Arc<Probe>>,
     /// What the inspection views put into the scene.
@@ -85,8 +89,7 @@ pub struct Viewport {
     last: Option<(Camera, Same<LightTransportSolution>)>,
     moved_at: f64,
     pick: Option<(Pick, Same<LightTransportSolution>)>,
-    /// A solution, how its movable objects were made to shine, and what that came to.
-    lit: Option<(Same<LightTransportSolution>, Option<Gloss>, Arc<Lit>)>,
+    shown: Shown,
 }
 
 impl Viewport {
@@ -170,23 +173,6 @@ impl Viewport {
         moving
     }
 
-    /// The light with movable objects as glossy as the view wants them.
-    fn lit(&mut self, solution: &Arc<LightTransportSolution>, view: &View) -> Arc<Lit> {
-        let (of, gloss) = (Same(Some(solution.clone())), view.gloss());
-        match &self.lit {
-            Some((known, how, lit)) if *known == of && *how == gloss => lit.clone(),
-            _ => {
-                let shining = match gloss {
-                    Some(_) => Arc::new(solution.with_gloss(gloss)),
-                    None => solution.clone(),
-                };
-                let lit = Lit::new(shining);
-                self.lit = Some((of, gloss, lit.clone()));
-                lit
-            }
-        }
-    }
-
     fn paint_picture(
         &mut self,
         ui: &egui::Ui,
@@ -196,7 +182,8 @@ impl Viewport {
         moving: bool,
         out: &mut ViewportOutput,
     ) -> Option<Painted> {
-        let light = input.solution.map(|solution| self.lit(solution, view));
+        let bounces = input.light_paths.single_bounces();
+        let light = input.solution.map(|solution| self.shown.lit(ui.ctx(), solution, view.gloss(), bounces));
         let display = match &light {
             Some(light) => self.meter.display(ui.ctx(), light, view, screen.aspect())?,
             None => view.display,
@@ -226,7 +213,7 @@ impl Viewport {
         let reference = reference.filter(|_| compare == Compare::Reference).map(|r| (r, &display));
         let painted = self.picture.show(ui.ctx(), input.render_state, request.as_ref(), reference, moving)?;
         out.frame_seconds = painted.status.seconds;
-        out.settled = painted.settled && !moving && !self.meter.is_metering();
+        out.settled = painted.settled && !moving && !self.meter.is_metering() && !self.shown.is_coming();
         let rect = match painted.aspect {
             // The vertical field of view is the camera's: a wider picture shows more at its sides.
             Some(aspect) => Rect::from_center_size(

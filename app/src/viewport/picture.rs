@@ -190,7 +190,7 @@ impl Meter {
         aspect: f32,
     ) -> Option<Display> {
         if !view.auto_exposure {
-            self.ev100 = None;
+            *self = Self::default();
             return Some(view.display);
         }
         match self.flight.as_ref().map(Receiver::try_recv) {
@@ -198,7 +198,11 @@ impl Meter {
                 self.ev100 = found.or(self.ev100).or(Some(view.display.ev100));
                 self.flight = None;
             }
-            Some(Err(TryRecvError::Disconnected)) => self.flight = None,
+            Some(Err(TryRecvError::Disconnected)) => {
+                log::error!("the exposure was not found");
+                self.ev100 = self.ev100.or(Some(view.display.ev100));
+                self.flight = None;
+            }
             Some(Err(TryRecvError::Empty)) | None => {}
         }
         let key: MeterKey = (Same(Some(light.clone())), view.camera, view.weights);

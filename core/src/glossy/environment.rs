@@ -8,7 +8,9 @@
 //!
 //! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
 //!
-//! Limits: the reflector does not see itself; near things shift as if on a sphere of their own distance; a lobe
+//! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, and
+//! none where that lies within something else; the reflector does not see itself and, moved, shows the map of
+//! where it stood; near things shift as if on a sphere of their own distance; a lobe
 //! is as wide at every angle as it is at normal incidence, and a lobe's light is not dimmed by its own shadowing.
 
 use crate::{
@@ -36,7 +38,7 @@ const ROWS: [u32; 2] = [128, 64];
 const MOST_REFLECTIONS: u32 = 8;
 
 /// Directions of a lobe that a texel is the mean of.
-const LOBE_DIRECTIONS: u32 = 128;
+pub const LOBE_DIRECTIONS: u32 = 128;
 
 /// What a ray from the middle of a reflector met.
 #[derive(Clone, Copy, Debug)]
@@ -102,19 +104,18 @@ impl Environments {
                 let (centre, size) = (0.5 * (low + high), [2 * rows, rows]);
                 let ends = (0..2 * rows * rows)
                     .into_par_iter()
-                    .map(|i| end(world, of.0, Ray::new(centre, texel_direction(i, size))))
+                    .map(|i| end(world, of, Ray::new(centre, texel_direction(i, size))))
                     .collect();
-                let environment =
-                    Environment { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) };
-                environment.relit(world, radiosity)
+                Environment { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) }
             })
+            .filter(|environment| environment.is_in_the_open(world))
             .collect();
-        Self { list }
+        Self { list }.relit(world, radiosity, LOBE_DIRECTIONS)
     }
 
-    /// The same rays under the light of another solution.
-    pub fn relit(&self, world: &World, radiosity: &RadiositySolution) -> Self {
-        Self { list: self.list.iter().map(|e| e.relit(world, radiosity)).collect() }
+    /// The same rays under the light of another solution; a texel is the mean of at most `directions` of a lobe.
+    pub fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
+        Self { list: self.list.iter().map(|e| e.relit(world, radiosity, directions)).collect() }
     }
 
     /// The number of the map of an object's material, if it has one.
@@ -124,7 +125,17 @@ impl Environments {
 }
 
 impl Environment {
-    fn relit(&self, world: &World, radiosity: &RadiositySolution) -> Self {
+    /// Whether its middle is not within something else: whether less than half of what the rays met is dark backs.
+    fn is_in_the_open(&self, world: &World) -> bool {
+        let lit = |end: &End| {
+            let surface = world.geometry.surface(end.triangle, end.barycentric, end.direction);
+            world.geometry.is_lit(&surface)
+        };
+        let backs = self.ends.iter().filter(|(_, end)| end.as_ref().is_some_and(|e| !lit(e))).count();
+        2 * backs < self.ends.len()
+    }
+
+    fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
         let sharp: Vec<Vec4> = self
             .ends
             .par_iter()
@@ -136,7 +147,7 @@ impl Environment {
         }
         // The lobe seen along the normal, F = 1, turned to each texel.
         let lobe = Lobe::Ggx { alpha: self.alpha };
-        let drawn = (0..LOBE_DIRECTIONS).filter_map(|i| {
+        let drawn = (0..directions.min(LOBE_DIRECTIONS)).filter_map(|i| {
             let wi = lobe.sample(Vec3::Z, Vec3::Z, r2_point(i, 5))?;
             let weight = lobe.value(Vec3::Z, wi, Vec3::Z) * wi.z / lobe.density(Vec3::Z, wi, Vec3::Z);
             weight.is_finite().then_some((wi, weight))
@@ -202,16 +213,17 @@ fn texel_direction(i: u32, [w, h]: [u32; 2]) -> Vec3 {
     direction(Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) / Vec2::new(w as f32, h as f32))
 }
 
-/// Where a ray from within an object ends, past that object and by way of mirrors; its distance is that to what
+/// Where a ray from within a reflector ends, past its object's triangles of its material and by way of mirrors; its distance is that to what
 /// it met first, or to far away.
-fn end(world: &World, object: u32, ray: Ray) -> (f32, Option<End>) {
+fn end(world: &World, of: (u32, u32), ray: Ray) -> (f32, Option<End>) {
     const FAR: f32 = 1e6;
     let geometry = &world.geometry;
     let (mut ray, mut left, mut distance) = (ray, Vec3::ONE, None);
     for _ in 0..MOST_REFLECTIONS {
         let hit = loop {
             let Some(hit) = world.accel.trace(&ray) else { return (distance.unwrap_or(FAR), None) };
-            if geometry.object[hit.triangle as usize] != object {
+            let t = hit.triangle as usize;
+            if (geometry.object[t], geometry.material[t]) != of {
                 break hit;
             }
             ray.t_min = hit.t * (1.0 + 1e-5) + 1e-6;

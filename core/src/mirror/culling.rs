@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Triangles of a block, at most.
 const BLOCK: u32 = 128;
-/// Blocks left out between two that are drawn, up to which both are drawn as one: a draw has its price too.
+/// Triangles left out between two blocks, up to which both are drawn as one: a draw has its price too.
 const GAP: u32 = 64;
 
 /// Consecutive triangles of one object, and their box, m.

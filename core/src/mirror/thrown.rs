@@ -5,7 +5,8 @@
 //! closed forms of [`crate::scene::direct`] serve as they are. Rays that chance upon an emitter in a mirror
 //! would find the same, but a lamp is small: of 256 rays few meet one.
 //!
-//! Limit: one mirror. Longer ways to a luminous surface are found by chance, to a lamp without a surface not.
+//! Limit: one flat mirror. Longer ways, and those by a curved one, to a luminous surface are found by chance, to a
+//! lamp without a surface not.
 
 use super::reflectors::{NO_REFLECTOR, Reflector, Reflectors};
 use crate::scene::{
@@ -99,6 +100,9 @@ impl Images {
         self.mirrors.iter().filter_map(move |mirror| {
             let reflector = &self.reflectors.list[mirror.number as usize];
             reflector.facing(receiver.position)?;
+            if !lamp_in_sight(mirror, reflector, receiver.position, lamp) {
+                return None;
+            }
             let target = Target::of(lamp);
             let wi = match target {
                 Target::Point(point) => reflector.mirror_point(point) - receiver.position,
@@ -132,7 +136,7 @@ impl Images {
                 normal: turned(receiver.normal),
                 geometric_normal: turned(receiver.geometric_normal),
             };
-            in_sight(mirror, reflector, receiver, emitter).then_some((receiver, image, scramble))
+            in_sight(mirror, reflector, receiver.position, emitter).then_some((receiver, image, scramble))
         });
         let passed = |receiver: &Receiver, target: Target| self.passed(mirror, world, receiver, target);
         match emitter {
@@ -197,20 +201,34 @@ impl Images {
 }
 
 /// Whether an emitter's image may be seen through a mirror: whether the cones around both overlap.
-fn in_sight(mirror: &Mirror, reflector: &Reflector, receiver: &Receiver, emitter: &Emitter) -> bool {
+fn in_sight(mirror: &Mirror, reflector: &Reflector, from: Vec3, emitter: &Emitter) -> bool {
+    match emitter {
+        Emitter::Area(area) => overlap(mirror, from, (reflector.mirror_point(area.bounds.0), area.bounds.1)),
+        Emitter::Lamp { lamp, .. } => lamp_in_sight(mirror, reflector, from, lamp),
+    }
+}
+
+/// [`in_sight`] of a lamp without a surface.
+fn lamp_in_sight(mirror: &Mirror, reflector: &Reflector, from: Vec3, lamp: &Lamp) -> bool {
+    match Target::of(lamp) {
+        Target::Point(point) => overlap(mirror, from, (reflector.mirror_point(point), 0.0)),
+        // As far away as matters.
+        Target::Direction(wi) => {
+            let far = 1e3 * (1.0 + mirror.bounds.1 + from.distance(mirror.bounds.0));
+            overlap(mirror, from, (from + far * reflector.mirror_direction(wi), 0.0))
+        }
+    }
+}
+
+/// Whether the cones around a mirror and around another sphere overlap, seen from a point.
+fn overlap(mirror: &Mirror, from: Vec3, sphere: (Vec3, f32)) -> bool {
     let cone = |(middle, radius): (Vec3, f32)| {
-        let to = middle - receiver.position;
+        let to = middle - from;
         let distance = to.length();
-        (to / distance, if distance > radius { (radius / distance).asin() } else { std::f32::consts::PI })
+        let angle = if distance > radius { (radius / distance).asin() } else { std::f32::consts::PI };
+        (to.normalize_or_zero(), angle)
     };
-    let (to_mirror, mirror_angle) = cone(mirror.bounds);
-    let (to_image, image_angle) = match emitter {
-        Emitter::Area(area) => cone((reflector.mirror_point(area.bounds.0), area.bounds.1)),
-        Emitter::Lamp { lamp, .. } => match lamp.kind {
-            LampKind::Directional { .. } => (reflector.mirror_direction(-lamp.axis()), 0.0),
-            _ => cone((reflector.mirror_point(lamp.position()), 0.0)),
-        },
-    };
+    let [(to_mirror, mirror_angle), (to_sphere, angle)] = [cone(mirror.bounds), cone(sphere)];
     // A hair more: the sines of small angles are rounded.
-    to_mirror.dot(to_image).clamp(-1.0, 1.0).acos() <= mirror_angle + image_angle + 1e-3
+    to_mirror.dot(to_sphere).clamp(-1.0, 1.0).acos() <= mirror_angle + angle + 1e-3
 }

@@ -9,7 +9,7 @@
 use super::gather::Transport;
 use super::{
     RadiosityError,
-    specular::{PLACES, first_of},
+    specular::{PLACES, PLACES_MOVING, first_of},
     surface_map::{FOOTPRINT, UNSOLVED},
 };
 use crate::{
@@ -17,6 +17,7 @@ use crate::{
         progress::{Cancelled, Progress},
         random::hash2,
     },
+    mirror::thrown::Images,
     scene::{
         direct::{self, Receiver},
         emitters::Emitter,
@@ -43,19 +44,26 @@ struct Tables {
     passed_on: Vec<(Vec3, f32)>,
 }
 
+/// What emitters shine into, and how well it is asked for.
+pub(super) struct Lighting<'a> {
+    pub world: &'a World,
+    pub transport: &'a Transport,
+    /// The flat mirrors where they stand now.
+    pub images: &'a Images,
+    /// Shadow rays an area emitter and element.
+    pub shadow_rays: u32,
+    /// Whether something moves: fewer places on lobes are asked.
+    pub moving: bool,
+    pub seed: u64,
+}
+
 impl EmitterLight {
     /// Light of an emitter.
     ///
     /// # Errors
     /// [`RadiosityError::Cancelled`].
-    pub fn new(
-        world: &World,
-        transport: &Transport,
-        emitter: &Emitter,
-        shadow_rays: u32,
-        seed: u64,
-        progress: &Progress,
-    ) -> Result<Self, RadiosityError> {
+    pub fn new(lighting: &Lighting, emitter: &Emitter, progress: &Progress) -> Result<Self, RadiosityError> {
+        let Lighting { world, transport, images, shadow_rays, moving, seed } = *lighting;
         let (placement, dimmer) = state(world, emitter);
         if dimmer <= 0.0 {
             return Ok(Self { placement, dimmer, at_full: None });
@@ -72,13 +80,13 @@ impl EmitterLight {
         };
         let lobes = &transport.lobes;
         if lobes.any() {
-            let settled = usize::from(shadow_rays as usize >= FOOTPRINT);
+            progress.begin("light by way of lobes");
             let places: usize = transport.seen.iter().flatten().map(|s| s.places()).sum();
-            let stride = places.div_ceil(PLACES[settled]).max(1);
+            let stride = places.div_ceil(if moving { PLACES_MOVING } else { PLACES }).max(1);
             let seed32 = seed as u32 ^ (seed >> 32) as u32;
             tables.passed_on =
                 irradiance(transport, shadow_rays, seed, progress, |element, receivers, rays| {
-                    let by_images = lobes.images.mean_irradiance(world, &full, receivers, rays);
+                    let by_images = images.mean_irradiance(world, &full, receivers, rays);
                     let Some(seen) = &transport.seen[element] else { return (by_images, 0.0) };
                     let first = first_of(stride, element, seed32);
                     let scramble = hash2(element as u32, seed32 ^ 0x51EC);
@@ -89,8 +97,8 @@ impl EmitterLight {
         }
         if matches!(emitter, Emitter::Area(area) if area.textured) {
             // A texture is read with the dimmer applied.
-            let passed_on = tables.passed_on.iter_mut().map(|(e, _)| e);
-            tables.direct.iter_mut().chain(passed_on).for_each(|e| *e /= dimmer);
+            tables.direct.iter_mut().for_each(|e| *e /= dimmer);
+            tables.passed_on.iter_mut().for_each(|(e, v)| (*e, *v) = (*e / dimmer, *v / (dimmer * dimmer)));
         }
         let at_full = Some(Arc::new(tables));
         Ok(Self { placement, dimmer, at_full })
@@ -104,16 +112,8 @@ impl EmitterLight {
 
     /// The light after the emitter may have changed: a factor if it was only dimmed, new rays if it
     /// moved or `again` asks for them.
-    pub fn follow(
-        &self,
-        world: &World,
-        transport: &Transport,
-        emitter: &Emitter,
-        again: bool,
-        shadow_rays: u32,
-        seed: u64,
-    ) -> Self {
-        let (placement, dimmer) = state(world, emitter);
+    pub fn follow(&self, lighting: &Lighting, emitter: &Emitter, again: bool) -> Self {
+        let (placement, dimmer) = state(lighting.world, emitter);
         if !(again && dimmer > 0.0)
             && placement == self.placement
             && (self.at_full.is_some() || dimmer == 0.0)
@@ -121,8 +121,7 @@ impl EmitterLight {
             return Self { dimmer, ..self.clone() };
         }
         // Nobody cancels silent progress.
-        Self::new(world, transport, emitter, shadow_rays, seed, &Progress::silent())
-            .unwrap_or_else(|_| self.clone())
+        Self::new(lighting, emitter, &Progress::silent()).unwrap_or_else(|_| self.clone())
     }
 
     /// Adds this light to what arrives directly, to what arrives by way of lobes and to the variance of that, lx.

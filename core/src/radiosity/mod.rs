@@ -12,6 +12,7 @@
 //! [`specular`]), and the cached transport holds for where the objects stood when it was gathered.
 
 pub mod atlas;
+mod bounces;
 mod charts;
 mod direct_light;
 mod footprint;
@@ -35,6 +36,7 @@ use crate::{
         progress::{Cancelled, Progress},
         random::hash2,
     },
+    mirror::thrown::Images,
     scene::{
         Target,
         direct::{Receiver, total_irradiance},
@@ -42,7 +44,7 @@ use crate::{
         world::World,
     },
 };
-use direct_light::EmitterLight;
+use direct_light::{EmitterLight, Lighting};
 use gather::{Gathering, Transport};
 use glam::{DVec3, Vec2, Vec3};
 use lookup::SideMap;
@@ -206,12 +208,12 @@ impl RadiositySolution {
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
         progress.begin("direct light");
-        let lights = world
-            .emitters
-            .list
-            .iter()
-            .map(|e| EmitterLight::new(world, &transport, e, settings.shadow_rays, settings.seed, progress))
-            .collect::<Result<Vec<_>, _>>()?;
+        let (images, RadiositySettings { shadow_rays, seed, .. }) = (Images::new(&world.geometry), *settings);
+        let lighting =
+            Lighting { world, transport: &transport, images: &images, shadow_rays, moving: false, seed };
+        let emitters = world.emitters.list.iter();
+        let lights: Vec<EmitterLight> =
+            emitters.map(|e| EmitterLight::new(&lighting, e, progress)).collect::<Result<_, _>>()?;
         progress.begin("interreflection");
         let start = vec![Vec3::ZERO; transport.map.elements.len()];
         let solution = Self::converge(transport, lights, &start, *settings, settings.max_sweeps, progress)?;
@@ -226,7 +228,10 @@ impl RadiositySolution {
     /// trace in indirect light. Sweeps start from this solution and stop after `max_sweeps`;
     /// [`Self::convergence`] says how far they came.
     pub fn relight(&self, world: &World, retrace: &[Target], shadow_rays: u32, max_sweeps: u32) -> Self {
-        let seed = self.settings.seed;
+        let (images, seed) = (Images::new(&world.geometry), self.settings.seed);
+        let moving = shadow_rays < self.settings.shadow_rays;
+        let lighting =
+            Lighting { world, transport: &self.transport, images: &images, shadow_rays, moving, seed };
         let known = self.lights.len() == world.emitters.len();
         let lights = world
             .emitters
@@ -237,7 +242,7 @@ impl RadiositySolution {
                 let unlit = || EmitterLight::unlit(world, emitter);
                 let light = self.lights.get(i).filter(|_| known).cloned().unwrap_or_else(unlit);
                 let again = retrace.contains(&emitter.target());
-                light.follow(world, &self.transport, emitter, again, shadow_rays, seed)
+                light.follow(&lighting, emitter, again)
             })
             .collect();
         // Nobody cancels silent progress.
@@ -272,8 +277,7 @@ impl RadiositySolution {
         let reflected = |indirect: &[Vec3]| reflected(&transport.map.elements, &direct, indirect);
         let (mut indirect, mut radiosity) = (gathered.clone(), reflected(&gathered));
         if settings.smoothing > 0.0 {
-            let by_rays: Vec<Vec3> = gathered.iter().zip(&passed_on).map(|(g, p)| *g - *p).collect();
-            let mut variances = smooth::variances(&transport, &radiosity, &by_rays);
+            let mut variances = smooth::variances(&transport, &radiosity);
             variances.iter_mut().zip(&chance).for_each(|(v, c)| *v += c);
             indirect = smooth::smooth(&transport, &gathered, &variances, settings.smoothing);
             transport.fill(&mut indirect);

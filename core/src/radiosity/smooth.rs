@@ -19,25 +19,21 @@ use rayon::prelude::*;
 /// Binomial weights at 0, 1 and 2 nodes of distance.
 const BINOMIAL: [f32; 3] = [6.0, 4.0, 1.0];
 
-/// Variance of the mean over each element's hits of the luminance of `values`, one value an element;
-/// `means` are the means themselves.
-pub fn variances(transport: &Transport, values: &[Vec3], means: &[Vec3]) -> Vec<f32> {
+/// Variance of the mean over each element's hits of the luminance of `values`, one value an element, and of what
+/// arrives by way of lobes, each way of which is taken to be alone on its ray.
+pub fn variances(transport: &Transport, values: &[Vec3]) -> Vec<f32> {
     let padded: Vec<f32> = values.iter().map(|v| luminance(*v)).chain(std::iter::once(0.0)).collect();
     let n = transport.rays.max(1) as usize;
-    transport
-        .hits
-        .par_chunks(n)
-        .zip(means)
-        .with_min_len(64)
-        .map(|(row, mean)| {
-            let mean = luminance(*mean);
-            let squares = row.iter().fold(0.0, |sum, &hit| {
-                let d = padded[hit as usize] - mean;
-                sum + d * d
-            });
-            squares / (n * n) as f32
-        })
-        .collect()
+    let rows = transport.hits.par_chunks(n).with_min_len(64).enumerate();
+    rows.map(|(element, row)| {
+        let mean = row.iter().map(|&hit| padded[hit as usize]).sum::<f32>() / n as f32;
+        let squares: f32 = row.iter().map(|&hit| (padded[hit as usize] - mean).powi(2)).sum();
+        let seen = transport.seen.get(element).and_then(|s| s.as_deref());
+        let by_lobes = seen.into_iter().flat_map(|s| &s.elements);
+        let ways = by_lobes.map(|&(hit, share)| (padded[hit as usize] * luminance(share)).powi(2));
+        (squares + ways.sum::<f32>()) / (n * n) as f32
+    })
+    .collect()
 }
 
 /// Irradiance with the noise of the gather rays averaged away on grids; see the module's text.

@@ -9,7 +9,7 @@
 //! for the light that reaches a dull surface by one of them.
 //!
 //! Limits: a lamp without a surface is missed behind a lobe and a mirror after it. What was traced holds for
-//! where the objects stood; of emitters that moved since, what rays met by chance is left out.
+//! where the objects stood: of lobes that moved since nothing comes, and of emitters what places on lobes find.
 
 use crate::{
     math::{
@@ -41,8 +41,11 @@ const SURE_SHARE: f32 = 0.04;
 /// many of those, and each gives little.
 const SURE_TO_REMEMBER: f32 = 0.25;
 
-/// Places on lobes asked for an emitter, about, while something moves and when it rests.
-pub(super) const PLACES: [usize; 2] = [1 << 15, 1 << 20];
+/// Places on lobes asked for an emitter, about.
+pub(super) const PLACES: usize = 1 << 20;
+
+/// The same while something moves.
+pub(super) const PLACES_MOVING: usize = 1 << 15;
 
 /// What one element sees by way of lobes.
 #[derive(Clone, Debug, Default)]
@@ -56,6 +59,8 @@ pub(super) struct Seen {
 /// A luminous surface met by a lobe's ray.
 #[derive(Clone, Copy, Debug)]
 struct Emission {
+    /// Object of the lobe.
+    by: u32,
     triangle: u32,
     uv: Vec2,
     factor: Vec3,
@@ -74,7 +79,7 @@ struct Place {
 /// What is needed to follow rays by lobes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lobes {
-    pub images: Images,
+    images: Images,
     /// Whether anything is specular at all.
     any: bool,
     /// Area of each area emitter by object and material, m².
@@ -154,8 +159,8 @@ impl Lobes {
                     }
                 };
                 if weight > 0.0 {
-                    let factor = left * weight;
-                    seen.emissions.push(Emission { triangle: next.triangle, uv: met.uv, factor });
+                    let (by, factor) = (geometry.object[hit.triangle as usize], left * weight);
+                    seen.emissions.push(Emission { by, triangle: next.triangle, uv: met.uv, factor });
                 }
             }
             let (xi, remembered) = (rng.next_f32(), (left.max_element() / SURE_TO_REMEMBER).min(1.0));
@@ -165,6 +170,11 @@ impl Lobes {
             }
             (hit, direction) = (next, drawn.wi);
         }
+    }
+
+    /// Whether an object is not where it was when rays were traced.
+    fn moved(&self, geometry: &Geometry, object: u32) -> bool {
+        self.placements.get(object as usize) != geometry.world_from_object.get(object as usize)
     }
 
     /// Irradiance of an element from one emitter by way of lobes but for [`Images`], times the number of its rays,
@@ -186,11 +196,12 @@ impl Lobes {
         };
         if let Emitter::Area(area) = emitter {
             let object = area.object as usize;
-            moved = self.placements.get(object) != Some(&geometry.world_from_object[object]);
+            moved = self.moved(geometry, area.object);
             let own = emitter_of(geometry, area.triangles[0]);
             let dimmer = if area.textured { geometry.dimmer[object] } else { 1.0 };
             for emission in &seen.emissions {
-                if !moved && emitter_of(geometry, emission.triangle) == own {
+                let stands = !moved && !self.moved(geometry, emission.by);
+                if stands && emitter_of(geometry, emission.triangle) == own {
                     let material = geometry.material_of(emission.triangle);
                     add(emission.factor
                         * material.emission_at(emission.uv, &geometry.textures)
@@ -199,6 +210,9 @@ impl Lobes {
             }
         }
         for (i, place) in seen.places.iter().enumerate().skip(first).step_by(stride) {
+            if self.moved(geometry, geometry.object[place.triangle as usize]) {
+                continue;
+            }
             let surface = geometry.surface(place.triangle, place.barycentric, place.direction);
             let Some(brdf) = lobe(geometry, &surface) else { continue };
             let Surface { position, normal, geometric_normal, .. } = surface;

@@ -63,6 +63,26 @@ impl Automaton {
     }
 }
 
+/// Which paths without a specular reflection are meant, by their number of diffuse ones.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bounces {
+    /// Whether `LE`, `LDE`, `LDDE`, … are.
+    pub counted: Vec<bool>,
+    /// Whether all longer ones are.
+    pub rest: bool,
+}
+
+impl Bounces {
+    /// Whether any of them is in each term: emitted, direct, indirect, specular.
+    pub fn terms(&self) -> [bool; 4] {
+        let of = |k: usize| self.counted.get(k).copied().unwrap_or(self.rest);
+        [of(0), of(1), self.rest || self.counted.iter().skip(2).any(|c| *c), false]
+    }
+}
+
+/// Bounces told apart, at most: what comes after is dark, but in a room that absorbs less than a twentieth.
+const MOST_BOUNCES: usize = 128;
+
 /// A light-path expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Expression {
@@ -84,6 +104,20 @@ impl Expression {
             self.automaton.next[state as usize][column]
         });
         end.is_some_and(|state| self.automaton.counts_as[state as usize].is_some())
+    }
+
+    /// Which diffuse bounces are meant.
+    pub fn bounces(&self) -> Bounces {
+        let (mut counted, mut state) = (Vec::new(), 0u8);
+        loop {
+            let counts = self.automaton.counts_as[state as usize].is_some();
+            counted.push(counts);
+            match self.automaton.next[state as usize][0] {
+                Some(next) if next == state => return Bounces { counted, rest: counts },
+                Some(next) if counted.len() < MOST_BOUNCES => state = next,
+                _ => return Bounces { counted, rest: false },
+            }
+        }
     }
 
     /// How much of each term of [`Automaton::terms`] it means: all of it (true) or none; `None` where that holds

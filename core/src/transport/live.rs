@@ -14,7 +14,7 @@ use super::{
     solution::{Provenance, State},
 };
 use crate::{
-    glossy::environment::Environments,
+    glossy::environment::{Environments, LOBE_DIRECTIONS},
     irradiance_volume::{
         IrradianceVolume, VolumeError, VolumeSettings,
         dynamic_object::{Detail, DynamicObject},
@@ -66,6 +66,9 @@ impl SolveError {
 const MOVING_SHADOW_RAYS: u32 = 2;
 /// Sweeps of the interreflection while something moves; each starts from the last solution.
 const MOVING_SWEEPS: u32 = 3;
+
+/// Directions of a lobe that a texel of a map is the mean of while something moves.
+const MOVING_DIRECTIONS: u32 = 12;
 
 /// Queries of the volume for one part of the light on all moved objects while something moves: some
 /// milliseconds on one thread.
@@ -273,7 +276,8 @@ impl LiveTransport {
         if let Some(volume) = &self.current.volume {
             self.current.volume = Some(Arc::new(volume.relight(world, &*radiosity, changed)));
         }
-        self.current.environments = Arc::new(self.current.environments.relit(world, &radiosity));
+        let directions = if max_sweeps == MOVING_SWEEPS { MOVING_DIRECTIONS } else { LOBE_DIRECTIONS };
+        self.current.environments = Arc::new(self.current.environments.relit(world, &radiosity, directions));
         self.current.radiosity = radiosity;
     }
 

@@ -9,6 +9,7 @@ use crate::{
         moments::Order,
     },
     radiosity::RadiositySolution,
+    reference::expression::Expression,
     scene::{Scene, world::World},
 };
 use std::{collections::BTreeMap, sync::Arc};
@@ -49,6 +50,20 @@ impl LightTransportSolution {
             volume.is_some_and(|v| g.order == Order::IRRADIANCE || v.orders().contains(&g.order))
         };
         Self { gloss: gloss.filter(held), ..self.clone() }
+    }
+
+    /// The same light with only the indirect part that an expression means, and whether each term is shown then:
+    /// emitted, direct, indirect, specular. `None` where only the path tracer tells the expression's light apart:
+    /// where something is specular and it is no sum of terms.
+    ///
+    /// Of single bounces objects that were moved show none: their light is the volume's, which does not know them.
+    pub fn with_paths(&self, expression: &Expression) -> Option<(Self, [bool; 4])> {
+        if let Some(terms) = expression.of_terms() {
+            return Some((self.clone(), terms));
+        }
+        let bounces = expression.bounces();
+        let radiosity = Arc::new(self.radiosity.of_bounces(&bounces)?);
+        Some((Self { radiosity, volume: None, ..self.clone() }, bounces.terms()))
     }
 }
 

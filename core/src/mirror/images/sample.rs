@@ -243,7 +243,11 @@ impl ReflectorImages {
 
 /// Unit directions along a plane.
 fn axes(normal: Vec3) -> (Vec3, Vec3) {
-    let along = if normal.y.abs() > 0.9 { Vec3::X } else { Vec3::Y.cross(normal).normalize() };
+    let along = if normal.y.abs() > 0.9 {
+        (Vec3::X - normal * normal.x).normalize()
+    } else {
+        Vec3::Y.cross(normal).normalize()
+    };
     (along, normal.cross(along))
 }
 
@@ -254,4 +258,20 @@ fn pose_direction(i: u32, count: u32) -> Vec3 {
     let (sin, cos) = (0.618_034 * TAU * i as f32).sin_cos();
     let radius = (1.0 - z * z).max(0.0).sqrt();
     Vec3::new(radius * cos, radius * sin, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{frame::uniform_direction, random::Rng};
+
+    #[test]
+    fn the_axes_of_a_plane_are_a_frame_however_it_is_tilted() {
+        for i in 0..1000 {
+            let normal = uniform_direction(Rng::new(1, i).next_vec2());
+            let (along, up) = axes(normal);
+            assert!(along.is_normalized() && up.is_normalized(), "{normal}");
+            assert!(along.dot(normal).abs() < 1e-5 && (along.cross(up) - normal).length() < 1e-5, "{normal}");
+        }
+    }
 }

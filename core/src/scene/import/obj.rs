@@ -133,6 +133,11 @@ fn read_material(
     let parameter = |key: &str| {
         material.unknown_param.iter().find(|(k, _)| k.eq_ignore_ascii_case(key)).map(|(_, v)| v.clone())
     };
+    // The extension for physically based materials; what is no number is none.
+    let share = |key: &str| parameter(key)?.trim().parse::<f32>().ok().map(|v| v.clamp(0.0, 1.0));
+    let plain = Material::default();
+    let (roughness, metallic) =
+        (share("Pr").unwrap_or(plain.roughness), share("Pm").unwrap_or(plain.metallic));
     let mut texture =
         |file: Option<String>| file.and_then(|f| read_texture(folder, &f, name, textures, model));
     let reflectance_texture = texture(material.diffuse_texture.clone());
@@ -144,7 +149,9 @@ fn read_material(
         emission: material.emissive.map_or(Vec3::ZERO, Vec3::from),
         emission_texture,
         double_sided: true,
-        ..Material::default()
+        roughness,
+        metallic,
+        ..plain
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{LiveTransport, SolveError, SolveSettings};
 use crate::{
+    glossy::environment::LOBE_DIRECTIONS,
     irradiance_volume::IrradianceVolume,
     math::progress::Progress,
     radiosity::{RadiositySettings, RadiositySolution},
@@ -41,6 +42,8 @@ impl LiveTransport {
         if !kept {
             let start = Instant::now();
             current.radiosity = Arc::new(self.radiosity(&settings.radiosity, progress)?);
+            let maps = current.environments.relit(&current.world, &current.radiosity, LOBE_DIRECTIONS);
+            current.environments = Arc::new(maps);
             stage(&mut current.provenance, "radiosity", start);
         }
         if !kept || self.settings.volume != settings.volume {
