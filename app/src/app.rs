@@ -8,7 +8,7 @@ mod keys;
 
 use crate::{
     command::{Command, Window as WindowCommand},
-    lightmaps::LightmapFile,
+    lightmaps::{JUDGING, LightmapFile},
     panels::{
         dock::{Dock, Pane, Shown},
         empty, help, menu,
@@ -200,6 +200,7 @@ impl LumenscopeApp {
                     self.carry_out(ctx, Effect::Lightmap);
                 }
                 News::Texture(made) => {
+                    self.session.texture_awaited = false;
                     self.session.texture = made.filter(|_| self.session.document.view.surface.is_some());
                 }
                 News::Lightmap(judged) => {
@@ -235,12 +236,25 @@ impl LumenscopeApp {
                 }
                 News::Reference(reference, _) => self.session.reference = Some(reference),
                 News::Written(path) => self.session.log.info(format!("{} written", path.display())),
-                News::Cancelled(what) => self.session.log.warn(format!("{what}: cancelled")),
-                News::Failed(what, why) => self.fail(format!("{what} failed"), why),
+                News::Cancelled(what) => {
+                    self.give_up(what);
+                    self.session.log.warn(format!("{what}: cancelled"));
+                }
+                News::Failed(what, why) => {
+                    self.give_up(what);
+                    self.fail(format!("{what} failed"), why);
+                }
             }
         }
         while let Ok(command) = self.chosen.1.try_recv() {
             self.run(ctx, command);
+        }
+    }
+
+    /// Lets go of what a job that ended early was for: it would be asked for again with every new light.
+    fn give_up(&mut self, what: &str) {
+        if what == JUDGING {
+            self.session.lightmap_file = None;
         }
     }
 

@@ -15,6 +15,9 @@ use lumenscope_core::{
 };
 use std::path::{Path, PathBuf};
 
+/// The job that holds a lightmap against the light, as the journal names it.
+pub const JUDGING: &str = "Judging a lightmap";
+
 /// A lightmap that is looked at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightmapFile {

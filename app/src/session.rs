@@ -55,6 +55,8 @@ pub struct Session {
     pub resolutions: Arc<Vec<Probe>>,
     /// The texture of the surface that was clicked; `None` where that has none.
     pub texture: Option<Arc<GridView>>,
+    /// Whether that of a surface clicked since is still to come.
+    pub texture_awaited: bool,
     /// The lightmap that is looked at.
     pub lightmap_file: Option<LightmapFile>,
     /// What was found about it in the light as it settled last.
@@ -227,6 +229,7 @@ impl Session {
         self.reference = None;
         self.probe = None;
         self.texture = None;
+        self.texture_awaited = false;
         self.lightmap_file = None;
         self.lightmap = None;
         self.plan = None;
@@ -448,6 +451,11 @@ impl Session {
         let picked = view.surface != old.surface;
         if view.volume != old.volume || view.views != old.views || (picked && !view.views.is_empty()) {
             effects.push(Effect::Inspect);
+        }
+        if picked {
+            // What was shown is another surface's.
+            self.texture = None;
+            self.texture_awaited = view.surface.is_some();
         }
         if picked || view.stages != old.stages || view.traced_texture != old.traced_texture {
             effects.push(Effect::Texture);

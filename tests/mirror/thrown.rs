@@ -79,7 +79,7 @@ fn a_mirror_throws_a_lamps_light_as_its_image_would() {
         (LampKind::Point { intensity: LIGHT }, true),
         (LampKind::Directional { illuminance: LIGHT }, false),
     ] {
-        let scene = lamp_and_mirror(kind.clone(), double_sided);
+        let scene = lamp_and_mirror(kind, double_sided);
         let sun = (-scene.lamps[0].axis()) * Vec3::new(-1.0, 1.0, 1.0);
         let (world, solution) = solve(&scene, 0.1, 16);
         let tracer = PathTracer::new(&world);

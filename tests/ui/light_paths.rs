@@ -3,6 +3,7 @@
 use crate::window::{Window, room};
 use egui_kittest::kittest::{NodeT, Queryable};
 use lumenscope::{
+    app::LumenscopeApp,
     command::Command,
     session::{Compare, Reference, View},
 };
@@ -32,17 +33,17 @@ fn light_paths_choose_layers_or_ask_for_the_reference() {
     window.keep("paths");
     let view = View { auto_exposure: false, ..window.view() };
     window.run(Command::View(Box::new(view)));
-    window.wait_picture();
+    window.wait("a picture at rest", LumenscopeApp::is_picture_settled);
     let indirect = window.picture();
     // Two bounces are less light of the same layer.
     show(&mut window, "LD{2}E");
     assert_eq!(window.view().weights, [0.0, 0.0, 1.0, 0.0, 0.0]);
     window.wait_other_picture(&indirect);
-    window.wait_picture();
+    window.wait("a picture at rest", LumenscopeApp::is_picture_settled);
     let sum = |picture: &[u8]| picture.iter().map(|c| u64::from(*c)).sum::<u64>();
+    window.keep("two_bounces");
     let of_two = window.picture();
     assert!(sum(&of_two) < sum(&indirect), "{} {}", sum(&of_two), sum(&indirect));
-    window.keep("two_bounces");
     show(&mut window, "LD{2");
     window.harness.get_by_label_contains("a count that is not one of");
 }

@@ -53,6 +53,12 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
     }
     window.harness.get_by_label("256 texels");
 
+    // One that is no picture is said so once, and let go.
+    let broken = folder.join("broken.exr");
+    fs::write(&broken, "no picture").unwrap();
+    window.run(Command::Lightmap(lumenscope::lightmaps::LightmapFile { white: 1.0, path: broken }));
+    window.wait("the notice", |app| !app.is_busy() && app.session().lightmap_file.is_none());
+
     // Another white, other light: twice as much as ours everywhere.
     window.run(Command::Lightmap(lumenscope::lightmaps::LightmapFile { white: 2.0, path: file.clone() }));
     window.wait("the lightmap again", |app| app.session().lightmap.is_some());

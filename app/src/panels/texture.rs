@@ -59,6 +59,10 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         ui.checkbox(&mut view.traced_texture, "Compare with the path tracer").on_hover_text(hint);
     });
     let Some(shown) = &session.texture else {
+        if session.texture_awaited {
+            ui.weak("The texture is being made…");
+            return;
+        }
         ui.weak("This surface has no texture: it is curved or small, and lit at its corners.");
         return;
     };

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     export::{self, ExportRequest},
     grid_view::{GridRequest, GridWork},
-    lightmaps::{JudgedLightmap, LightmapFile},
+    lightmaps::{JUDGING, JudgedLightmap, LightmapFile},
     pipeline,
     placement::Placement,
 };
@@ -347,7 +347,7 @@ impl Bench {
 
     fn lightmap(&mut self, file: &LightmapFile) {
         let Some(solution) = self.solution.clone() else { return };
-        let judged = self.job("Judging a lightmap", Rank::Stop, |_, progress| {
+        let judged = self.job(JUDGING, Rank::Stop, |_, progress| {
             progress.begin("lightmap");
             JudgedLightmap::new(file, &solution)
         });

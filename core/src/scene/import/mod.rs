@@ -5,7 +5,7 @@
 //! program lacks becomes one warning line a kind, never a silent loss. Broken data is an error that
 //! names the file and the cause in one line; nothing here panics on any bytes.
 //!
-//! Limits: geometry is triangles with Lambertian materials; skins, animations, morph targets, alpha,
+//! Limits: geometry is triangles, materials are metal–roughness ones; skins, animations, morph targets, alpha,
 //! points and lines are named in a warning and left out. The `gltf` crate parses and validates the
 //! JSON only: its own accessor readers and image import panic on out-of-range views, so the binary
 //! data is read by `accessor` with every range checked.
