@@ -5,7 +5,7 @@ use lumenscope_core::{
     math::random::Rng,
     scene::{
         Object, Part, Scene,
-        accel::{Accel, Ray},
+        accel::{Accel, Blockers, Ray},
         geometry::Geometry,
         material::Material,
         mesh::Mesh,
@@ -115,6 +115,7 @@ struct Tally {
     hits: u64,
     fragile: u64,
     wrong: Vec<String>,
+    blockers: Blockers,
 }
 
 /// Compares one ray. Accepted is any hit that `f64` calls possible within rounding, no further than
@@ -138,6 +139,10 @@ fn compare(tally: &mut Tally, what: &str, ray: &Ray, accel: &Accel, geometry: &G
     let hit = accel.trace(ray);
     if hit.is_some() != accel.occluded(ray) {
         tally.wrong.push(format!("{what}: trace and occluded disagree on {ray:?}"));
+    }
+    // Asked first of a ray are the blockers of the rays before it, which are unlike it.
+    if hit.is_some() != accel.occluded_past(ray, &mut tally.blockers) {
+        tally.wrong.push(format!("{what}: trace and occluded_past disagree on {ray:?}"));
     }
     tally.hits += u64::from(hit.is_some());
     let candidates = possible.iter().filter(|p| p.1 - p.2 <= certain).count();

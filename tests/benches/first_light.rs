@@ -30,7 +30,7 @@ fn main() {
     let world = World::new(&scene);
     let plan = Plan::new(&scene, &world, 0.04, 1);
     rays(&mut criterion, &world);
-    solving(&mut criterion, &path, &world, &plan);
+    solving(&mut criterion, &path, &scene, &plan);
     drags(&mut criterion, &scene, &plan);
     criterion.final_summary();
 }
@@ -55,7 +55,8 @@ fn rays(criterion: &mut Criterion, world: &World) {
     group.finish();
 }
 
-fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
+fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
+    let world = &World::new(scene);
     let silent = Progress::silent();
     let solve = |settings: &RadiositySettings| RadiositySolution::solve(world, settings, &Progress::silent());
     let Ok(radiosity) = solve(&plan.solve.radiosity) else { return eprintln!("radiosity failed") };
@@ -90,9 +91,17 @@ fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
         .collect();
     let mut answers = vec![Vec3::ZERO; queries.len()];
     let lamp = world.emitters.list[0].target();
-    group.bench_function("volume relit from cached hits after one lamp changed (goal 30 ms)", |b| {
-        b.iter(|| volume.relight(world, &radiosity, &[lamp]));
-    });
+    let shifted = shifted(scene, lamp);
+    let (mut relit, mut step) = (volume.clone(), 0);
+    for (name, moving) in [("while it moves (goal 30 ms)", &[lamp][..]), ("at rest", &[])] {
+        group.bench_function(format!("volume relit from cached hits after one lamp moved, {name}"), |b| {
+            b.iter(|| {
+                step += 1;
+                let world = if step % 2 == 0 { world } else { &shifted };
+                relit = relit.relight_moving(world, &radiosity, &[lamp], moving);
+            });
+        });
+    }
     group.bench_function("volume queries, as built: guarded, one thread", |b| {
         b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
     });
@@ -109,6 +118,13 @@ fn solving(criterion: &mut Criterion, path: &Path, world: &World, plan: &Plan) {
         });
     }
     group.finish();
+}
+
+/// The world with a lamp 5 cm from where it is.
+fn shifted(scene: &Scene, lamp: Target) -> World {
+    let mut moved = scene.clone();
+    moved.place(lamp, Affine3A::from_translation(0.05 * Vec3::X) * scene.placement(lamp));
+    World::new(&moved)
 }
 
 /// Loads the scene, solves it until the first solution is shown, pictures that and stops.

@@ -299,6 +299,35 @@ fn relight_is_rebuild() {
 }
 
 #[test]
+fn a_moving_panel_is_lit_nearly_as_at_rest_and_then_exactly() {
+    let (mut scene, light) = furnished();
+    let volume = build(&scene, &light, &small([6, 5, 7]));
+    let panel = Target::Object(scene.objects.len() - 1);
+    scene.place(panel, Affine3A::from_translation(Vec3::new(0.3, -0.2, -0.6)));
+    let world = World::new(&scene);
+    let rest = volume.relight(&world, &light, &[panel]);
+    let moving = volume.relight_moving(&world, &light, &[panel], &[panel]);
+    let sum = |of: &dyn Fn(Vec3, Vec3) -> f32| -> f64 {
+        let samples = (0..rest.samples().len()).filter(|&s| rest.samples()[s].valid);
+        let pairs = samples.flat_map(|s| {
+            let [a, b] = [&rest, &moving].map(|v| v.sample_irradiance(s, Part::Direct));
+            a.into_iter().zip(b)
+        });
+        pairs.map(|(a, b)| f64::from(of(a, b))).sum()
+    };
+    let (mean, error) = (sum(&|a, _| a.y), sum(&|a, b| (a.y - b.y).abs()));
+    let signed = sum(&|a, b| b.y - a.y);
+    println!("off by {:.2} %, signed {:+.2} %", 100.0 * error / mean, 100.0 * signed / mean);
+    // A leaf in full view sends what it should; a shadow's edge comes in steps of the panel's eighth.
+    assert!(error < 0.02 * mean && error > 0.0, "{error} of {mean}");
+    let settled = moving.relight(&world, &light, &[panel]);
+    assert!(settled.table(Part::Direct) == rest.table(Part::Direct));
+    assert!(settled.table(Part::Indirect) == rest.table(Part::Indirect));
+    let dimmed = volume.relight_moving(&world, &light, &[panel], &[]);
+    assert!(dimmed.table(Part::Direct) == rest.table(Part::Direct), "only what moves is asked coarsely");
+}
+
+#[test]
 fn one_thread_and_two_give_the_same_bytes() {
     let (scene, light) = furnished();
     let settings = VolumeSettings { supersample: 2, ..small([4, 4, 4]) };

@@ -5,12 +5,13 @@
 
 use super::{
     Tables, VolumeSettings,
-    codec::{Texel, encode, encode_rgb},
+    codec::{Texel, encode},
     direct::{Arrivals, Centres, add_irradiance},
     ignored::Ignored,
     probe::emission,
-    quadrature::{BLOCK, LANES, Lanes, Quadrature},
+    quadrature::{BLOCK, LANES, Quadrature},
     rays::{Extra, NO_ELEMENT, PointHits, Source},
+    trust::Fills,
 };
 use crate::{math::sphere_map::DirectionBins, scene::world::World};
 use glam::{Vec2, Vec3};
@@ -104,8 +105,14 @@ impl Met {
     pub fn reflected(&self, sample: usize, light: &SeenLight, out: &mut [Vec3]) {
         let seen = &self.elements[sample * out.len() * self.rays..][..out.len() * self.rays];
         let share = 1.0 / self.rays as f32;
-        for (out, seen) in out.iter_mut().zip(seen.chunks_exact(self.rays)) {
-            *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + light.element(e)) * share;
+        if self.rays == 1 {
+            for (out, &e) in out.iter_mut().zip(seen) {
+                *out = light.radiance.get(e as usize).map_or(Vec3::ZERO, |l| *l);
+            }
+        } else {
+            for (out, seen) in out.iter_mut().zip(seen.chunks_exact(self.rays)) {
+                *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + light.element(e)) * share;
+            }
         }
         for extra in &self.extras[sample] {
             let radiance = match extra.source {
@@ -142,11 +149,55 @@ impl Met {
 }
 
 impl Transport {
-    /// Irradiance of every bin of every sample from what they see and what arrives.
-    pub fn tables(&self, light: &SeenLight, arrivals: &[Arc<Arrivals>]) -> Tables {
-        let heard = light.heard(arrivals);
-        let met = &self.met;
-        self.solver.tables(met.extras.len(), &heard, |sample, out| met.reflected(sample, light, out))
+    /// Irradiance of every bin of every sample from what they see and what arrives. Of the direct light
+    /// `before`, samples to which the same arrives keep theirs.
+    pub fn tables(
+        &self,
+        light: &SeenLight,
+        arrivals: &[Arc<Arrivals>],
+        fills: &Fills,
+        before: Option<Before>,
+    ) -> Tables {
+        let (met, bins) = (&self.met, self.solver.bins());
+        let filled = |mut table: Vec<Texel>| {
+            fills.apply(&mut table, bins.len());
+            Arc::new(table)
+        };
+        let indirect = self.solver.indirect(met.points(), |sample, out| met.reflected(sample, light, out));
+        let direct = match before {
+            Some(before) if before.holds_all(arrivals) => before.direct.clone(),
+            _ => filled(self.solver.direct(met.points(), &light.heard(arrivals), |sample| {
+                let before = before.as_ref().filter(|b| b.holds(arrivals, sample))?;
+                Some(&before.direct[sample * bins.len()..][..bins.len()])
+            })),
+        };
+        Tables::new(bins, direct, filled(indirect))
+    }
+}
+
+/// Direct light as it was, and the arrivals that it was summed from.
+pub(super) struct Before<'a> {
+    /// One entry an emitter.
+    pub arrivals: &'a [Arc<Arrivals>],
+    /// Texels of every sample.
+    pub direct: &'a Arc<Vec<Texel>>,
+}
+
+impl Before<'_> {
+    /// Whether these arrivals are the ones of before.
+    fn holds_all(&self, arrivals: &[Arc<Arrivals>]) -> bool {
+        self.arrivals.len() == arrivals.len()
+            && self.arrivals.iter().zip(arrivals).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// Whether the same arrives at a sample.
+    fn holds(&self, arrivals: &[Arc<Arrivals>], sample: usize) -> bool {
+        self.arrivals.len() == arrivals.len()
+            && self
+                .arrivals
+                .iter()
+                .zip(arrivals)
+                .all(|(a, b)| Arc::ptr_eq(a, b) || a.of(sample) == b.of(sample))
     }
 }
 
@@ -176,72 +227,68 @@ impl Solver {
         Self { quadrature: Quadrature::new(bins), centres: Centres::new(bins) }
     }
 
-    /// Tables of `count` samples: indirect from the radiance that `radiance` writes, cd/m² one a bin;
-    /// direct from what arrives.
-    pub fn tables(
-        &self,
-        count: usize,
-        arrivals: &[&Arrivals],
-        radiance: impl Fn(usize, &mut [Vec3]) + Sync,
-    ) -> Tables {
-        let bins = self.quadrature.bins().len();
-        let mut indirect = vec![Texel::default(); count * bins];
-        let mut direct = vec![Texel::default(); count * bins];
-        let blocks = indirect.par_chunks_mut(BLOCK * bins).zip(direct.par_chunks_mut(BLOCK * bins));
-        blocks.enumerate().for_each_init(
-            || Scratch::new(bins),
-            |scratch, (block, (indirect, direct))| {
-                let first = block * BLOCK;
-                let here = indirect.len() / bins;
-                for s in 0..here {
-                    radiance(first + s, &mut scratch.one);
-                    for (lanes, l) in scratch.radiance.iter_mut().zip(&scratch.one) {
-                        for c in 0..3 {
-                            lanes[c * BLOCK + s] = l[c];
-                        }
+    /// The bins it is for.
+    pub fn bins(&self) -> DirectionBins {
+        self.quadrature.bins()
+    }
+
+    /// Irradiance of `count` samples from the radiance that `radiance` writes, cd/m² one a bin.
+    pub fn indirect(&self, count: usize, radiance: impl Fn(usize, &mut [Vec3]) + Sync) -> Vec<Texel> {
+        let bins = self.bins().len();
+        let mut table = vec![Texel::default(); count * bins];
+        table.par_chunks_mut(BLOCK * bins).enumerate().for_each_init(
+            || (vec![Vec3::ZERO; bins], vec![[0.0; LANES]; bins], vec![[0.0; LANES]; bins]),
+            |(one, seen, irradiance), (block, texels)| {
+                for s in 0..texels.len() / bins {
+                    radiance(block * BLOCK + s, one);
+                    for (lanes, l) in seen.iter_mut().zip(&*one) {
+                        (lanes[s], lanes[BLOCK + s], lanes[2 * BLOCK + s]) = (l.x, l.y, l.z);
                     }
                 }
-                self.quadrature.irradiance(&scratch.radiance, &mut scratch.irradiance);
-                for (codes, lanes) in scratch.codes.iter_mut().zip(&scratch.irradiance) {
-                    *codes = lanes.map(encode);
-                }
-                for s in 0..here {
-                    let out = &mut indirect[s * bins..][..bins];
-                    for (texel, lanes) in out.iter_mut().zip(&scratch.codes) {
-                        *texel = [lanes[s], lanes[BLOCK + s], lanes[2 * BLOCK + s], 0];
-                    }
-                    scratch.direct.iter_mut().for_each(|channel| channel.fill(0.0));
-                    for emitter in arrivals {
-                        add_irradiance(&self.centres, emitter.of(first + s), &mut scratch.direct);
-                    }
-                    let [r, g, b] = &scratch.direct;
-                    for (i, texel) in direct[s * bins..][..bins].iter_mut().enumerate() {
-                        *texel = encode_rgb(Vec3::new(r[i], g[i], b[i]));
+                self.quadrature.irradiance(seen, irradiance);
+                for (bin, lanes) in irradiance.iter().enumerate() {
+                    let mut codes = [0; LANES];
+                    codes.iter_mut().zip(lanes).for_each(|(code, value)| *code = encode(*value));
+                    for (s, texels) in texels.chunks_exact_mut(bins).enumerate() {
+                        texels[bin] = [codes[s], codes[BLOCK + s], codes[2 * BLOCK + s], 0];
                     }
                 }
             },
         );
-        Tables::new(self.quadrature.bins(), direct, indirect)
+        table
     }
-}
 
-/// One thread's working memory.
-struct Scratch {
-    one: Vec<Vec3>,
-    radiance: Vec<Lanes>,
-    irradiance: Vec<Lanes>,
-    codes: Vec<[u16; LANES]>,
-    direct: [Vec<f32>; 3],
-}
-
-impl Scratch {
-    fn new(bins: usize) -> Self {
-        Self {
-            one: vec![Vec3::ZERO; bins],
-            radiance: vec![[0.0; LANES]; bins],
-            irradiance: vec![[0.0; LANES]; bins],
-            codes: vec![[0; LANES]; bins],
-            direct: std::array::from_fn(|_| vec![0.0; bins]),
-        }
+    /// Irradiance of `count` samples from what arrives, but for those whose texels are `kept`.
+    pub fn direct<'a>(
+        &self,
+        count: usize,
+        arrivals: &[&Arrivals],
+        kept: impl Fn(usize) -> Option<&'a [Texel]> + Sync,
+    ) -> Vec<Texel> {
+        let bins = self.bins().len();
+        let mut table = vec![Texel::default(); count * bins];
+        table.par_chunks_mut(bins).enumerate().for_each_init(
+            || ([(); 3].map(|()| vec![0.0; bins]), [(); 3].map(|()| vec![0; bins])),
+            |(sums, codes), (sample, texels)| {
+                if let Some(kept) = kept(sample) {
+                    return texels.copy_from_slice(kept);
+                }
+                if arrivals.iter().all(|a| a.of(sample).is_empty()) {
+                    return;
+                }
+                sums.iter_mut().for_each(|channel| channel.fill(0.0));
+                for emitter in arrivals {
+                    add_irradiance(&self.centres, emitter.of(sample), sums);
+                }
+                for (codes, sums) in codes.iter_mut().zip(&*sums) {
+                    codes.iter_mut().zip(sums).for_each(|(code, sum)| *code = encode(*sum));
+                }
+                let [r, g, b] = codes;
+                for (texel, ((r, g), b)) in texels.iter_mut().zip(r.iter().zip(g).zip(b)) {
+                    *texel = [*r, *g, *b, 0];
+                }
+            },
+        );
+        table
     }
 }

@@ -18,24 +18,30 @@ const SMALLEST: f32 = f32::from_bits((127 - 30) << 23);
 const LARGEST: f32 = f32::from_bits(((127 + 32) << 23) | (0x3FF << 13));
 
 /// Code of a value; less than 2⁻³⁰ and NaN become 0, more than the largest becomes the largest.
+#[inline(always)]
 pub fn encode(value: f32) -> u16 {
-    let v = if value > 0.0 { value.min(LARGEST) } else { 0.0 };
+    // Comparisons that are one instruction each, so that loops over values become vectors.
+    let v = if value > 0.0 { value } else { 0.0 };
+    let v = if v < LARGEST { v } else { LARGEST };
     let bits = (v * INVERSE_SCALE).to_bits();
     let rounded = (bits + 0x0FFF + ((bits >> 13) & 1)) >> 13;
     if v < SMALLEST { 0 } else { rounded as u16 }
 }
 
 /// Value of a code.
+#[inline]
 pub fn decode(code: u16) -> f32 {
     f32::from_bits(u32::from(code) << 13) * SCALE
 }
 
 /// Texel of three channels.
+#[inline]
 pub fn encode_rgb(rgb: Vec3) -> Texel {
     [encode(rgb.x), encode(rgb.y), encode(rgb.z), 0]
 }
 
 /// Three channels of a texel.
+#[inline]
 pub fn decode_rgb(texel: Texel) -> Vec3 {
     Vec3::new(decode(texel[0]), decode(texel[1]), decode(texel[2]))
 }

@@ -10,7 +10,7 @@ use super::VolumeSettings;
 use crate::{
     math::{colour::luminance, random::r2_point, sphere_map::DirectionBins},
     scene::{
-        accel::Ray,
+        accel::{Blockers, Ray},
         emitters::{AreaEmitter, Emitter},
         lamp::LampKind,
         world::World,
@@ -40,8 +40,13 @@ pub struct Arrivals {
 impl Arrivals {
     /// Asks one emitter from every position.
     pub fn gather(world: &World, emitter: &Emitter, positions: &[Vec3], settings: &VolumeSettings) -> Self {
+        Self::gather_by(world, emitter, positions, &Asking::at_rest(settings))
+    }
+
+    /// Asks one emitter from every position, as closely as said.
+    pub(super) fn gather_by(world: &World, emitter: &Emitter, positions: &[Vec3], asking: &Asking) -> Self {
         let lists: Vec<Vec<Arrival>> =
-            positions.par_iter().map(|&p| arrivals(world, emitter, p, settings)).collect();
+            positions.par_iter().map(|&p| arrivals_by(world, emitter, p, asking)).collect();
         let mut offsets = Vec::with_capacity(lists.len() + 1);
         offsets.push(0);
         let mut entries = Vec::with_capacity(lists.iter().map(Vec::len).sum());
@@ -63,6 +68,28 @@ impl Arrivals {
     }
 }
 
+/// How closely an emitter is asked.
+pub(super) struct Asking {
+    /// Shadow rays to a luminous surface, at least.
+    rays: u32,
+    /// Widest leaf, m of edge a metre of distance.
+    widest: f32,
+    seed: u64,
+}
+
+impl Asking {
+    /// As the settings have it.
+    pub fn at_rest(settings: &VolumeSettings) -> Self {
+        Self { rays: settings.direct_samples, widest: WIDEST, seed: settings.seed }
+    }
+
+    /// While the emitter is being moved: by a quarter of the leaves and shadow rays. What a leaf in full
+    /// view sends stays exact above its horizon; edges of shadows come in steps twice as wide.
+    pub fn moving(settings: &VolumeSettings) -> Self {
+        Self { rays: settings.direct_samples.div_ceil(4), widest: 2.0 * WIDEST, seed: settings.seed }
+    }
+}
+
 /// Arrivals from nearly the same direction as one: 20 cells along an axis of the octahedral map, 8° each.
 ///
 /// The vector irradiance stays what it was, so every normal with the whole cell above its horizon gets the
@@ -75,30 +102,36 @@ fn merged(list: Vec<Arrival>) -> Vec<Arrival> {
         let folded = (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
         ((if d.z < 0.0 { folded } else { p } + Vec2::ONE) * CELLS).as_ivec2()
     };
-    let mut cells: Vec<(IVec2, Vec3, Vec<Arrival>)> = Vec::new();
-    for arrival in list {
+    let mut cells: Vec<(IVec2, Arrival)> = Vec::with_capacity(list.len());
+    let mut of: Vec<usize> = Vec::with_capacity(list.len());
+    for arrival in &list {
         let key = cell(arrival.direction);
         let weighted = arrival.direction * luminance(arrival.normal_irradiance);
-        match cells.iter_mut().find(|c| c.0 == key) {
-            Some((_, sum, members)) => {
-                *sum += weighted;
-                members.push(arrival);
-            }
-            None => cells.push((key, weighted, vec![arrival])),
-        }
+        let found = cells.iter().position(|c| c.0 == key).unwrap_or_else(|| {
+            cells.push((key, Arrival { direction: Vec3::ZERO, normal_irradiance: Vec3::ZERO }));
+            cells.len() - 1
+        });
+        cells[found].1.direction += weighted;
+        of.push(found);
     }
-    cells
-        .into_iter()
-        .map(|(_, sum, members)| {
-            let direction = sum.normalize_or(members[0].direction);
-            let along = |a: &Arrival| a.normal_irradiance * a.direction.dot(direction);
-            Arrival { direction, normal_irradiance: members.iter().map(along).sum() }
-        })
-        .collect()
+    // In the first pass the sum of weighted directions; in the second the direction and what comes from it.
+    for (i, (_, merged)) in cells.iter_mut().enumerate() {
+        let first = of.iter().position(|&o| o == i).map_or(Vec3::ZERO, |first| list[first].direction);
+        merged.direction = merged.direction.normalize_or(first);
+    }
+    for (arrival, of) in list.iter().zip(of) {
+        let merged = &mut cells[of].1;
+        merged.normal_irradiance += arrival.normal_irradiance * arrival.direction.dot(merged.direction);
+    }
+    cells.into_iter().map(|c| c.1).collect()
 }
 
 /// Visible light from one emitter at a point in the air.
 pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &VolumeSettings) -> Vec<Arrival> {
+    arrivals_by(world, emitter, position, &Asking::at_rest(settings))
+}
+
+fn arrivals_by(world: &World, emitter: &Emitter, position: Vec3, asking: &Asking) -> Vec<Arrival> {
     match emitter {
         Emitter::Lamp { lamp, .. } => {
             let (direction, normal_irradiance, ray) = match lamp.kind {
@@ -120,11 +153,11 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec::new(),
         Emitter::Area(area) if area.triangles.len() > MESHED => {
-            merged(sampled(world, area, position, settings))
+            merged(sampled(world, area, position, asking))
         }
         Emitter::Area(area) => {
-            let mut list = Vec::new();
-            let leaves = settings.direct_samples.max(1);
+            let (mut list, mut blockers) = (Vec::new(), Blockers::default());
+            let leaves = asking.rays.max(1);
             let mut depth = 0;
             while (area.triangles.len() as u32) << (2 * depth) < leaves && depth < 4 {
                 depth += 1;
@@ -136,7 +169,9 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
                     .dot(position - world.geometry.positions[triangle as usize][0]);
                 if facing > 0.0 || (area.double_sided && facing < 0.0) {
                     let whole = [Vec2::ZERO, Vec2::X, Vec2::Y];
-                    Leaves { world, area, triangle, position, list: &mut list }.cut(whole, depth, 6);
+                    let (list, blockers) = (&mut list, &mut blockers);
+                    let widest = asking.widest;
+                    Leaves { world, area, triangle, position, widest, list, blockers }.cut(whole, depth, 6);
                 }
             }
             merged(list)
@@ -148,12 +183,12 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
 const MESHED: usize = 64;
 
 /// Points spread over a finely meshed emitter, weighted so that together they have its exact solid angle.
-fn sampled(world: &World, area: &AreaEmitter, position: Vec3, settings: &VolumeSettings) -> Vec<Arrival> {
-    let count = 2 * settings.direct_samples.max(4);
+fn sampled(world: &World, area: &AreaEmitter, position: Vec3, asking: &Asking) -> Vec<Arrival> {
+    let count = 2 * asking.rays.max(4);
     let mut raw = Vec::with_capacity(count as usize);
     let mut total = 0.0f64;
     for j in 0..count {
-        let point = area.point(&world.geometry, r2_point(j, settings.seed as u32));
+        let point = area.point(&world.geometry, r2_point(j, asking.seed as u32));
         let to_light = point.position - position;
         let d2 = to_light.length_squared();
         let direction = to_light / d2.sqrt();
@@ -195,7 +230,9 @@ struct Leaves<'a> {
     area: &'a AreaEmitter,
     triangle: u32,
     position: Vec3,
+    widest: f32,
     list: &'a mut Vec<Arrival>,
+    blockers: &'a mut Blockers,
 }
 
 /// Widest leaf, m of edge a metre of distance: the mid-point cosine then errs by under 1 %.
@@ -208,7 +245,7 @@ impl Leaves<'_> {
         let centre = (a + b + c) / 3.0 - self.position;
         let distance = centre.length();
         let edge = (b - a).length().max((c - b).length()).max((a - c).length());
-        if depth > 0 || (spare > 0 && edge > WIDEST * distance) {
+        if depth > 0 || (spare > 0 && edge > self.widest * distance) {
             let [p, q, r] = corners;
             let (pq, qr, rp) = (0.5 * (p + q), 0.5 * (q + r), 0.5 * (r + p));
             let (depth, spare) = if depth > 0 { (depth - 1, spare) } else { (0, spare - 1) };
@@ -217,16 +254,16 @@ impl Leaves<'_> {
             }
             return;
         }
+        let radiance = self.radiance((corners[0] + corners[1] + corners[2]) / 3.0);
+        let ray = Ray::between(self.position, self.position + centre);
+        if radiance == Vec3::ZERO || self.world.accel.occluded_past(&ray, self.blockers) {
+            return;
+        }
         let vector = vector_irradiance([a, b, c].map(|p| p - self.position));
         let vector = if vector.dot(centre.as_dvec3()) < 0.0 { -vector } else { vector };
         let direction = vector.normalize_or_zero().as_vec3();
-        let radiance = self.radiance((corners[0] + corners[1] + corners[2]) / 3.0);
         let normal_irradiance = radiance * vector.length() as f32;
-        if !(direction.is_finite() && normal_irradiance.is_finite()) || normal_irradiance == Vec3::ZERO {
-            return;
-        }
-        let ray = Ray::between(self.position, self.position + centre);
-        if !self.world.accel.occluded(&ray) {
+        if direction.is_finite() && normal_irradiance.is_finite() && normal_irradiance != Vec3::ZERO {
             self.list.push(Arrival { direction, normal_irradiance });
         }
     }
@@ -252,13 +289,37 @@ impl Leaves<'_> {
 /// Its dot product with a normal is the exact irradiance wherever the triangle is above that horizon.
 pub fn vector_irradiance(corners: [Vec3; 3]) -> DVec3 {
     let v = corners.map(|p| p.as_dvec3());
-    let edge = |a: DVec3, b: DVec3| {
-        let cross = a.cross(b);
-        let sine = cross.length();
-        if sine > 0.0 { cross * (sine.atan2(a.dot(b)) / sine) } else { DVec3::ZERO }
+    let squares = v.map(|p| p.length_squared());
+    let edge = |a: usize, b: usize| {
+        let (cross, lengths) = (v[a].cross(v[b]), squares[a] * squares[b]);
+        let square = cross.length_squared();
+        if square > SHORT * lengths || v[a].dot(v[b]) < 0.0 {
+            let sine = square.sqrt();
+            let arc = sine.atan2(v[a].dot(v[b])) / sine;
+            return if sine > 0.0 { cross * arc } else { DVec3::ZERO };
+        }
+        // An angle over its sine, in powers of the sine's square.
+        let s = square / lengths;
+        let arc = ARC.iter().rev().fold(0.0, |p, c| p * s + c) / lengths.sqrt();
+        if s.is_finite() { cross * arc } else { DVec3::ZERO }
     };
-    0.5 * (edge(v[0], v[1]) + edge(v[1], v[2]) + edge(v[2], v[0]))
+    0.5 * (edge(0, 1) + edge(1, 2) + edge(2, 0))
 }
+
+/// Square of the sine up to which [`ARC`] is used: 18°.
+const SHORT: f64 = 0.1;
+
+/// asin(x) / x in powers of x², to 2e-10 up to [`SHORT`].
+const ARC: [f64; 8] = [
+    1.0,
+    1.0 / 6.0,
+    3.0 / 40.0,
+    15.0 / 336.0,
+    105.0 / 3_456.0,
+    945.0 / 42_240.0,
+    10_395.0 / 599_040.0,
+    135_135.0 / 9_676_800.0,
+];
 
 /// Centres of the bins, one array an axis, for [`add_irradiance`].
 #[derive(Clone, Debug, PartialEq)]
@@ -285,5 +346,32 @@ pub fn add_irradiance(centres: &Centres, arrivals: &[Arrival], out: &mut [Vec<f3
             green[i] = e.y.mul_add(cosine, green[i]);
             blue[i] = e.z.mul_add(cosine, blue[i]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Rng;
+
+    #[test]
+    fn short_edges_by_a_series_are_those_by_arc_tangent() {
+        let by_arc_tangent = |corners: [Vec3; 3]| -> DVec3 {
+            let v = corners.map(|p| p.as_dvec3());
+            let edge = |a: DVec3, b: DVec3| a.cross(b).normalize_or_zero() * a.angle_between(b);
+            0.5 * (edge(v[0], v[1]) + edge(v[1], v[2]) + edge(v[2], v[0]))
+        };
+        for i in 0..20_000 {
+            let mut rng = Rng::new(8, i);
+            let mut point = || Vec3::from_array([(); 3].map(|()| rng.next_f32() - 0.5));
+            // Edges of all lengths, half of them so short that the series is used.
+            let (centre, size) = (4.0 * point(), 2.0 * point().x);
+            let corners = [(); 3].map(|()| centre + size * point());
+            let error = (vector_irradiance(corners) - by_arc_tangent(corners)).length();
+            // 2e-10 of the angle, and what the arc cosine of the comparison loses near 1.
+            assert!(error < 1e-7, "{corners:?}: {error}");
+        }
+        let flat = [Vec3::X, -Vec3::X, Vec3::ZERO];
+        assert_eq!(vector_irradiance(flat), DVec3::ZERO);
     }
 }

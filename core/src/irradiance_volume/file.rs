@@ -102,7 +102,7 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         let code = |t: &[u8], i: usize| u16::from_le_bytes([t[2 * i], t[2 * i + 1]]);
         Ok(raw.chunks_exact(6).map(|t| [code(t, 0), code(t, 1), code(t, 2), 0]).collect())
     };
-    let mut tables = Tables::new(bins, table()?, table()?);
+    let mut tables = Tables::new(bins, Arc::new(table()?), Arc::new(table()?));
     for &order in settings.moments.iter().filter(|o| **o != Order::IRRADIANCE) {
         let (direct, indirect) = (Arc::new(table()?), Arc::new(table()?));
         tables.moments.push(MomentTable { order, direct, indirect });

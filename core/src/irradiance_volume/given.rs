@@ -4,7 +4,7 @@
 //! the light in a bin came from.
 
 use super::{
-    IrradianceVolume, Sample, VolumeError, VolumeSettings, cache::Solver, direct::Arrivals,
+    IrradianceVolume, Sample, Tables, VolumeError, VolumeSettings, cache::Solver, direct::Arrivals,
     directions::Directions, grid::BilevelGrid,
 };
 use crate::{
@@ -94,8 +94,10 @@ impl IrradianceVolume {
     ) -> Self {
         let bins = DirectionBins::new(settings.bins_n);
         let heard: Vec<&Arrivals> = arrivals.iter().map(|a| &**a).collect();
-        let tables =
-            Solver::new(bins).tables(samples.len(), &heard, |s, out| out.copy_from_slice(&radiance[s]));
+        let solver = Solver::new(bins);
+        let direct = solver.direct(samples.len(), &heard, |_| None);
+        let indirect = solver.indirect(samples.len(), |s, out| out.copy_from_slice(&radiance[s]));
+        let tables = Tables::new(bins, Arc::new(direct), Arc::new(indirect));
         Self {
             settings,
             grid,

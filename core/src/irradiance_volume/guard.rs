@@ -11,7 +11,7 @@ use super::{
     trust::SampleState,
 };
 use crate::scene::{
-    accel::{Accel, Ray},
+    accel::{Accel, Blockers, Ray},
     world::World,
 };
 use glam::{UVec3, Vec3};
@@ -141,19 +141,28 @@ impl Guard {
     }
 
     /// Which of a cell's samples see a point of it.
-    pub(super) fn seen(&self, cell: u32, samples: [Vec3; 8], point: Vec3) -> [bool; 8] {
+    pub(super) fn seen(
+        &self,
+        cell: u32,
+        samples: [Vec3; 8],
+        point: Vec3,
+        blockers: &mut Blockers,
+    ) -> [bool; 8] {
         let watched = &self.cells[cell as usize];
         let boxes = &self.boxes[watched.part(point).1];
-        std::array::from_fn(|i| {
+        let mut seen = [true; 8];
+        for (i, seen) in seen.iter_mut().enumerate() {
             let free = watched.corners >> i & 1 == 1 && watched.held & boxes[i] == 0;
-            free || self.sees(samples[i], point)
-        })
+            *seen = free || self.sees(samples[i], point, blockers);
+        }
+        seen
     }
 
-    /// Whether nothing that stands lies between a sample and a point, ends not counted.
-    pub(super) fn sees(&self, sample: Vec3, point: Vec3) -> bool {
+    /// Whether nothing that stands lies between a sample and a point, ends not counted; what hides one
+    /// sample of a point is asked first about the next.
+    pub(super) fn sees(&self, sample: Vec3, point: Vec3, blockers: &mut Blockers) -> bool {
         // From the sample: the ray stops just short of the point, which may lie on a surface.
         let ray = Ray::between(sample, point);
-        ray.is_degenerate() || !self.standing.occluded(&ray)
+        ray.is_degenerate() || !self.standing.occluded_past(&ray, blockers)
     }
 }

@@ -126,26 +126,12 @@ struct Tables {
 }
 
 impl Tables {
-    fn new(bins: DirectionBins, direct: Vec<Texel>, indirect: Vec<Texel>) -> Self {
-        let (direct, indirect) = (Arc::new(direct), Arc::new(indirect));
+    fn new(bins: DirectionBins, direct: Arc<Vec<Texel>>, indirect: Arc<Vec<Texel>>) -> Self {
         Self { bins, direct, indirect, harmonics: Arc::default(), moments: Vec::new() }
     }
 
     fn harmonics(&self) -> &Harmonics {
         self.harmonics.get_or_init(|| Harmonics::new(self.bins, &self.direct, &self.indirect))
-    }
-
-    /// With the samples filled that stand for others.
-    fn filled(self, bins: DirectionBins, fills: &Fills) -> Self {
-        if fills.is_empty() {
-            return self;
-        }
-        let filled = |table: Arc<Vec<Texel>>| {
-            let mut table = Arc::unwrap_or_clone(table);
-            fills.apply(&mut table, bins.len());
-            table
-        };
-        Self::new(bins, filled(self.direct), filled(self.indirect))
     }
 }
 

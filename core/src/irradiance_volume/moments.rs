@@ -201,6 +201,10 @@ impl IrradianceVolume {
                 None => MomentKernel::new(self.bins(), order),
             })
             .collect();
+        if kernels.is_empty() && self.tables.moments.is_empty() {
+            let settings = VolumeSettings { moments: wanted, ..self.settings.clone() };
+            return Self { kernels: Arc::default(), settings, ..self.clone() };
+        }
         let seen = transport.met.seen(world, light.radiosity(), &self.settings.ignored);
         let heard = seen.heard(&self.arrivals);
         let mut volume = self.clone();

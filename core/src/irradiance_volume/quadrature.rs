@@ -142,40 +142,51 @@ impl Quadrature {
             for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
                 let (w, scale) = (self.centres[image], self.scale[image]);
                 let even = combined([0, 1, 2, 3].map(|parity| sign(parity, i)), part);
+                let (mut here, mut opposite) = ([0.0; LANES], [0.0; LANES]);
                 for lane in 0..LANES {
-                    let even = even[lane];
                     let odd = w.x * vector[0][lane] + w.y * vector[1][lane] + w.z * vector[2][lane];
-                    out[image][lane] = (scale * (even + odd)).max(0.0);
-                    out[2 * side - 1 - image][lane] = (scale * (even - odd)).max(0.0);
+                    here[lane] = (scale * (even[lane] + odd)).max(0.0);
+                    opposite[lane] = (scale * (even[lane] - odd)).max(0.0);
                 }
+                (out[image], out[2 * side - 1 - image]) = (here, opposite);
             }
         }
     }
 }
 
 /// A cell of the square and its mirror images: itself, in x, in z, in both.
+#[inline(always)]
 fn images(column: usize, row: usize, n: usize) -> [usize; 4] {
     let (mc, mr) = (n - 1 - column, n - 1 - row);
     [row * n + column, row * n + mc, mr * n + column, mr * n + mc]
 }
 
 /// Sign that image `i` has in a part of the given parity.
+#[inline(always)]
 const fn sign(parity: usize, i: usize) -> f32 {
     if matches!(parity & i, 0 | 3) { 1.0 } else { -1.0 }
 }
 
+#[inline(always)]
 fn add(a: &Lanes, b: &Lanes) -> Lanes {
-    std::array::from_fn(|lane| a[lane] + b[lane])
+    let mut sum = *a;
+    for (sum, b) in sum.iter_mut().zip(b) {
+        *sum += b;
+    }
+    sum
 }
 
 /// Σ signᵢ · partᵢ.
+#[inline(always)]
 fn combined(signs: [f32; 4], parts: [&Lanes; 4]) -> Lanes {
-    std::array::from_fn(|lane| {
-        signs[0] * parts[0][lane]
+    let mut sum = [0.0; LANES];
+    for (lane, sum) in sum.iter_mut().enumerate() {
+        *sum = signs[0] * parts[0][lane]
             + signs[1] * parts[1][lane]
             + signs[2] * parts[2][lane]
-            + signs[3] * parts[3][lane]
-    })
+            + signs[3] * parts[3][lane];
+    }
+    sum
 }
 
 /// Dense product, a few rows and one channel at a time so that the sums stay in registers.

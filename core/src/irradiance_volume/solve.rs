@@ -7,8 +7,8 @@
 
 use super::{
     IrradianceVolume, Sample, VolumeError, VolumeSettings, adaptive,
-    cache::{Met, Solver, Transport},
-    direct::Arrivals,
+    cache::{Before, Met, Solver, Transport},
+    direct::{Arrivals, Asking},
     directions::Directions,
     guard::Guard,
     ignored::Ignored,
@@ -120,7 +120,7 @@ impl IrradianceVolume {
         let met = Met::new(bins, settings, hits);
         let transport = Arc::new(Transport { met, solver: Solver::new(bins) });
         let seen = transport.met.seen(world, light.radiosity(), &settings.ignored);
-        let tables = transport.tables(&seen, &arrivals).filled(bins, &fills);
+        let tables = transport.tables(&seen, &arrivals, &fills, None);
         progress.report(1.0)?;
         let volume = Self {
             settings: settings.clone(),
@@ -146,6 +146,18 @@ impl IrradianceVolume {
     /// was stays in the bins until the volume is built anew. A volume that came from a file keeps its
     /// indirect part.
     pub fn relight(&self, world: &World, light: &impl SurfaceLight, changed: &[Target]) -> Self {
+        self.relight_moving(world, light, changed, &[])
+    }
+
+    /// As [`Self::relight`] while some emitters are being moved: those of the changed that are `moving` are
+    /// asked by a quarter of the shadow rays, until [`Self::relight`] is told of them again.
+    pub fn relight_moving(
+        &self,
+        world: &World,
+        light: &impl SurfaceLight,
+        changed: &[Target],
+        moving: &[Target],
+    ) -> Self {
         let emits = |t: &Target| world.emitters.list.iter().any(|e| e.target() == *t);
         let all = self.arrivals.len() != world.emitters.len() || !changed.iter().all(emits);
         let positions: Vec<Vec3> = self.samples.iter().map(|s| s.position).collect();
@@ -155,17 +167,21 @@ impl IrradianceVolume {
             .iter()
             .enumerate()
             .map(|(i, emitter)| {
-                if all || changed.contains(&emitter.target()) {
-                    Arc::new(Arrivals::gather(world, emitter, &positions, &self.settings))
+                let target = emitter.target();
+                if all || changed.contains(&target) {
+                    let as_set = if moving.contains(&target) { Asking::moving } else { Asking::at_rest };
+                    Arc::new(Arrivals::gather_by(world, emitter, &positions, &as_set(&self.settings)))
                 } else {
                     self.arrivals[i].clone()
                 }
             })
             .collect();
         let tables = match &self.transport {
-            Some(t) => t
-                .tables(&t.met.seen(world, light.radiosity(), &self.settings.ignored), &arrivals)
-                .filled(self.bins(), &self.fills),
+            Some(t) => {
+                let seen = t.met.seen(world, light.radiosity(), &self.settings.ignored);
+                let before = Before { arrivals: &self.arrivals, direct: &self.tables.direct };
+                t.tables(&seen, &arrivals, &self.fills, Some(before))
+            }
             None => self.tables.clone(),
         };
         let relights = self.relights + 1;
@@ -200,9 +216,8 @@ impl IrradianceVolume {
     /// §5.4), from what its rays met: nothing is traced. `None` in a volume that came from a file.
     pub fn ignoring(&self, world: &World, light: &impl SurfaceLight, ignored: Ignored) -> Option<Self> {
         let transport = self.transport.as_ref()?;
-        let tables = transport
-            .tables(&transport.met.seen(world, light.radiosity(), &ignored), &self.arrivals)
-            .filled(self.bins(), &self.fills);
+        let seen = transport.met.seen(world, light.radiosity(), &ignored);
+        let tables = transport.tables(&seen, &self.arrivals, &self.fills, None);
         let settings = VolumeSettings { ignored, ..self.settings.clone() };
         Some(Self { settings, tables, ..self.clone() }.with_moments(&self.settings.moments, world, light))
     }

@@ -20,7 +20,7 @@ use super::{
     guard::{Guard, PARTS},
     query::Corners,
 };
-use crate::scene::world::World;
+use crate::scene::{accel::Blockers, world::World};
 use glam::{UVec3, Vec3};
 use std::sync::OnceLock;
 
@@ -93,11 +93,12 @@ impl IrradianceVolume {
             && over <= FADE[0]
             && (outside > 0.0 || !guard.is_open(cell))
         {
-            let sees = |id: u32| guard.sees(self.samples[id as usize].position, point);
+            let mut blockers = Blockers::default();
+            let samples = corners.ids.map(|id| self.samples[id as usize].position);
             seen = if outside > 0.0 {
-                corners.ids.map(sees)
+                samples.map(|sample| guard.sees(sample, point, &mut blockers))
             } else {
-                guard.seen(cell, corners.ids.map(|id| self.samples[id as usize].position), point)
+                guard.seen(cell, samples, point, &mut blockers)
             };
             let hidden = (0..8).any(|i| !seen[i] && corners.weights[i] > 0.0);
             let kept: [f32; 8] = std::array::from_fn(|i| if seen[i] { corners.weights[i] } else { 0.0 });
@@ -112,7 +113,7 @@ impl IrradianceVolume {
                 let count = (0..8).filter(|&i| may(i)).count() as f32;
                 corners.weights = std::array::from_fn(|i| if may(i) { 1.0 / count } else { 0.0 });
             } else if let Some(near) = (outside > 0.0 || !self.is_dark(guard, cell, point))
-                .then(|| self.lender(guard, point))
+                .then(|| self.lender(guard, point, &mut blockers))
                 .flatten()
             {
                 corners = Corners::alone(near);
@@ -147,12 +148,13 @@ impl IrradianceVolume {
             let corner = watched.low + at.as_vec3() * step;
             let places = (0..8u32).map(|c| UVec3::new(c & 1, c >> 1 & 1, c >> 2).as_vec3());
             let mut places = places.chain([Vec3::splat(0.5)]).map(|p| corner + p * step);
-            places.all(|p| self.lender(guard, p).is_none())
+            let mut blockers = Blockers::default();
+            places.all(|p| self.lender(guard, p, &mut blockers).is_none())
         })
     }
 
     /// The nearest sample in the first-level cells around a point that sees it, of a few.
-    fn lender(&self, guard: &Guard, point: Vec3) -> Option<u32> {
+    fn lender(&self, guard: &Guard, point: Vec3, blockers: &mut Blockers) -> Option<u32> {
         let (low, high) = self.grid.bounds();
         let size = self.grid.size();
         let at = ((point.clamp(low, high) - low) / self.grid.cell_size()).as_uvec3().min(size - 1);
@@ -165,8 +167,15 @@ impl IrradianceVolume {
             found.select_nth_unstable_by(ASKED, order);
             found.truncate(ASKED);
         }
-        found.sort_unstable_by(order);
-        found.into_iter().map(|f| f.1).find(|&id| guard.sees(self.samples[id as usize].position, point))
+        // As a rule none sees the point: no need to sort those that do not.
+        let sees = |id: u32, blockers: &mut Blockers| {
+            guard.sees(self.samples[id as usize].position, point, blockers)
+        };
+        let nearer = |best: Option<(f32, u32)>, one: (f32, u32)| {
+            let asked = best.is_none_or(|best| order(&one, &best).is_lt());
+            if asked && sees(one.1, blockers) { Some(one) } else { best }
+        };
+        found.into_iter().fold(None, nearer).map(|f| f.1)
     }
 
     /// Valid samples of a first-level cell and those around it.

@@ -210,12 +210,24 @@ impl Accel {
         if ray.is_degenerate() {
             return false;
         }
+        self.still.occluded(ray) || self.occluded_by_movable(ray)
+    }
+
+    fn occluded_by_movable(&self, ray: &Ray) -> bool {
         let outer = slab_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
-        self.still.occluded(ray)
-            || !self.over.ray_traverse_miss(outer, |r, i| {
-                let m = &self.movable[self.over.primitive_indices[i] as usize];
-                if m.tree.occluded(&m.local(ray)) { r.tmin } else { f32::INFINITY }
-            })
+        !self.over.ray_traverse_miss(outer, |r, i| {
+            let m = &self.movable[self.over.primitive_indices[i] as usize];
+            if m.tree.occluded(&m.local(ray)) { r.tmin } else { f32::INFINITY }
+        })
+    }
+
+    /// As [`Self::occluded`], asking first what stood in the way of earlier rays: the same answer, sooner
+    /// for rays that end or begin together.
+    pub fn occluded_past(&self, ray: &Ray, blockers: &mut Blockers) -> bool {
+        if ray.is_degenerate() {
+            return false;
+        }
+        self.still.occluded_past(ray, blockers) || self.occluded_by_movable(ray)
     }
 
     /// Whether a movable object alone stands in the way of the ray; `false` for a degenerate ray.
@@ -237,6 +249,14 @@ impl Accel {
         };
         tree(&self.still) + self.movable.iter().map(|m| tree(&m.tree)).sum::<usize>()
     }
+}
+
+/// Triangles that stood in the way of the last few rays; of one [`Accel`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Blockers {
+    /// Numbers in the tree of what stands still, counted from 1.
+    recent: [u32; 4],
+    next: usize,
 }
 
 /// The tree over movable objects where they are.
@@ -322,6 +342,28 @@ impl Tree {
         let shear = Shear::new(ray.origin, ray.direction);
         let inner = slab_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
         !self.bvh.ray_traverse_miss(inner, |r, i| shear.intersect(&self.corners[i], r.tmin, r.tmax))
+    }
+
+    fn occluded_past(&self, ray: &Ray, blockers: &mut Blockers) -> bool {
+        let shear = Shear::new(ray.origin, ray.direction);
+        let stops = |i: usize| shear.intersect(&self.corners[i], ray.t_min, ray.t_max) < ray.t_max;
+        if blockers.recent.iter().any(|&b| b > 0 && stops(b as usize - 1)) {
+            return true;
+        }
+        let inner = slab_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
+        let mut blocker = 0;
+        let missed = self.bvh.ray_traverse_miss(inner, |r, i| {
+            let t = shear.intersect(&self.corners[i], r.tmin, r.tmax);
+            if t < r.tmax {
+                blocker = i as u32 + 1;
+            }
+            t
+        });
+        if !missed {
+            blockers.recent[blockers.next] = blocker;
+            blockers.next = (blockers.next + 1) % blockers.recent.len();
+        }
+        !missed
     }
 }
 

@@ -210,7 +210,7 @@ impl LiveTransport {
         let relit = self.lights_touched(&scene, &changed);
         self.current.scene = scene;
         self.current.world = Arc::new(world);
-        self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS);
+        self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS, &relit);
         for target in relit {
             if !self.coarse.contains(&target) {
                 self.coarse.push(target);
@@ -237,7 +237,7 @@ impl LiveTransport {
                 targets = self.all_emitters();
             }
             let RadiositySettings { shadow_rays, max_sweeps, .. } = self.settings.radiosity;
-            self.relight(&targets, &targets, shadow_rays, max_sweeps);
+            self.relight(&targets, &targets, shadow_rays, max_sweeps, &[]);
             self.current.detail = Detail::Fine;
             let state = if self.current.moved_objects.is_empty() { State::Settled } else { State::Refining };
             self.finish("relight", start, state);
@@ -270,11 +270,18 @@ impl LiveTransport {
         all
     }
 
-    fn relight(&mut self, changed: &[Target], retrace: &[Target], shadow_rays: u32, max_sweeps: u32) {
+    fn relight(
+        &mut self,
+        changed: &[Target],
+        retrace: &[Target],
+        shadow_rays: u32,
+        max_sweeps: u32,
+        moving: &[Target],
+    ) {
         let world = &self.current.world;
         let radiosity = Arc::new(self.current.radiosity.relight(world, retrace, shadow_rays, max_sweeps));
         if let Some(volume) = &self.current.volume {
-            self.current.volume = Some(Arc::new(volume.relight(world, &*radiosity, changed)));
+            self.current.volume = Some(Arc::new(volume.relight_moving(world, &*radiosity, changed, moving)));
         }
         let directions = if max_sweeps == MOVING_SWEEPS { MOVING_DIRECTIONS } else { LOBE_DIRECTIONS };
         self.current.environments = Arc::new(self.current.environments.relit(world, &radiosity, directions));
