@@ -213,8 +213,8 @@ fn texel_direction(i: u32, [w, h]: [u32; 2]) -> Vec3 {
     direction(Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) / Vec2::new(w as f32, h as f32))
 }
 
-/// Where a ray from within a reflector ends, past its object's triangles of its material and by way of mirrors; its distance is that to what
-/// it met first, or to far away.
+/// Where a ray from within a reflector ends, past its object's triangles of its material and by way of mirrors; its
+/// distance is that to what it met first, or to far away.
 fn end(world: &World, of: (u32, u32), ray: Ray) -> (f32, Option<End>) {
     const FAR: f32 = 1e6;
     let geometry = &world.geometry;

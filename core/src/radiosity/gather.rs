@@ -11,7 +11,7 @@
 //! consecutive stretches of one R₂ sequence: between them the interpolated value has the error of
 //! many more directions than each has. Neither is true of independently scrambled nodes.
 //!
-//! A ray that meets something polished goes on, see [`super::specular`].
+//! A ray that meets something polished goes on, see `super::specular`.
 
 use super::{
     RadiosityError,
@@ -250,8 +250,8 @@ impl Transport {
     }
 }
 
-/// Hits of one element, what it sees by way of lobes, and whether it is buried: most rays meet a black back close by, as inside a
-/// solid, or nearly all meet something at once, as under a rug or behind a skirting board. In a
+/// Hits of one element, what it sees by way of lobes, and whether it is buried: most rays meet a black back close
+/// by, as inside a solid, or nearly all meet something at once, as under a rug or behind a skirting board. In a
 /// corner of three walls three quarters do.
 fn gather_row(
     world: &World,

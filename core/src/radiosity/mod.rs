@@ -9,7 +9,7 @@
 //! because shadows and lamps' falloff are sharper than any element while interreflection is not.
 //! Limits: indirect light varies no faster than the element spacing (contact shadows of bounced
 //! light are lost), it is kept for the Lambertian part of surfaces alone (what lobes pass on to those is
-//! [`specular`]), and the cached transport holds for where the objects stood when it was gathered.
+//! `specular`), and the cached transport holds for where the objects stood when it was gathered.
 
 pub mod atlas;
 mod bounces;
