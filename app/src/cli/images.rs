@@ -28,6 +28,12 @@ use lumenscope_core::{
 };
 use std::{fmt::Write as _, path::PathBuf, time::Instant};
 
+/// Bytes of a pixel of an image-with-depth.
+const BYTES_A_PIXEL: f32 = 28.0;
+
+/// Memory that images may take, GB.
+const MOST_GIGABYTES: f32 = 8.0;
+
 /// Options of `images`.
 #[derive(Args)]
 pub struct Options {
@@ -76,6 +82,19 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let reflectors = Reflectors::new(&world.geometry);
     if reflectors.is_empty() {
         bail!("{}: nothing flat is polished", options.scene.display());
+    }
+    let [area, element, poses, side] = [
+        reflectors.list.iter().map(|r| r.area).sum(),
+        options.element,
+        options.poses as f32,
+        options.resolution as f32,
+    ];
+    let gigabytes = 1e-9 * BYTES_A_PIXEL * side * side * poses * (area / (element * element)).max(1.0);
+    if gigabytes > MOST_GIGABYTES {
+        bail!(
+            "{area:.1} m² of mirrors in elements of {element} m with {poses} images of {side}×{side} take about \
+             {gigabytes:.0} GB; at most {MOST_GIGABYTES} GB are taken: choose larger elements or fewer images"
+        );
     }
     let pass = PassSettings { direct: DirectQuality::Elements, seed: common.seed, ..PassSettings::default() };
     let shading = Shading::new(&solution, &pass);

@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
             ui.weak("The texture is being made…");
             return;
         }
-        ui.weak("This surface has no texture: it is curved or small, and lit at its corners.");
+        ui.weak("This surface has no texture: it is curved or small and lit at its corners, or longer than 2,048 nodes.");
         return;
     };
     if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, shown)) {

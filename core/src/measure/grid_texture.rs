@@ -38,6 +38,9 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+/// Nodes of a grid along an edge, at most: a texture is a square of that edge.
+const MOST_NODES: u32 = 2048;
+
 /// Points along each edge at which a grid is judged: at least, and at most.
 const POINTS: [u32; 2] = [8, 48];
 
@@ -108,10 +111,13 @@ pub struct GridTexture {
 }
 
 impl GridTexture {
-    /// The grid that an element belongs to; `None` where it is no grid's, or the grid is a line.
+    /// The grid that an element belongs to; `None` where it is no grid's, or the grid is a line or too long.
     pub fn of_element(solution: &RadiositySolution, element: u32) -> Option<Self> {
         let number = solution.elements().get(element as usize)?.chart;
         let chart = solution.transport().map.charts.get(number as usize)?;
+        if chart.nx.max(chart.ny) > MOST_NODES {
+            return None;
+        }
         if chart.nx < 2 || chart.ny < 2 {
             return None;
         }
