@@ -424,6 +424,9 @@ impl Session {
         effects.extend((view.copies != copied).then_some(Effect::Copies));
         self.base = Some(Arc::clone(base));
         self.scene = Some(Arc::new(scene));
+        // A model that was added may be polished.
+        let dull = self.base.as_deref().is_some_and(is_dull);
+        self.light_paths = LightPaths::read(&self.document.view.paths, dull);
         effects.push(Effect::Follow { dragging });
         effects.extend(self.outdate_reference());
         effects

@@ -113,6 +113,14 @@ fn a_ball_shows_the_room_around_it() {
         println!("roughness {roughness}, radius {radius}: {by_map:.3} by the map, {as_wide:.3} as if dull");
         assert!(by_map < most && by_map < 0.5 * as_wide, "{by_map} {as_wide}");
     }
+    // A coat is no mirror: the floor beneath gives most of the light.
+    let mut coated = with_ball(cornell(), Vec3::new(0.35, 1.2, 0.2), 0.05, 0.0);
+    coated.materials.iter_mut().find(|m| m.name == "white").unwrap().roughness = 0.0;
+    let eye = Vec3::new(0.35, 1.3, 0.45);
+    coated.camera = Camera { eye, target: Vec3::new(0.35, 1.2, 0.2), vertical_fov: 0.43, ..coated.camera };
+    let by_map = error(&solved(coated, 0.15));
+    println!("coated floor: {by_map:.3}");
+    assert!(by_map < 0.15, "{by_map}");
     let dull = solved(cornell(), 0.4);
     assert!(Environments::new(&dull.world, &dull.radiosity).list.is_empty());
 }

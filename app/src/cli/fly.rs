@@ -192,6 +192,10 @@ fn with_reflectors(
         }
     }
     let depth = MirrorSettings::of(&scene.plan).depth;
+    let polished = Reflectors::new(&world.geometry).list.len();
+    if polished != count {
+        log::warn!("{polished} reflectors where {count} are meant: some share a material");
+    }
     (LightTransportSolution { scene: Arc::new(scene), world: Arc::new(world), ..solution.clone() }, depth)
 }
 

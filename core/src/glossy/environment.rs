@@ -230,7 +230,9 @@ fn end(world: &World, of: (u32, u32), ray: Ray) -> (f32, Option<End>) {
         };
         distance = distance.or(Some(hit.t));
         let surface = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
-        let mirror = geometry.brdf(&surface).specular.filter(|s| s.is_mirror());
+        // A coat over something dull is not followed: what lies beneath gives most of the light.
+        let brdf = geometry.brdf(&surface);
+        let mirror = brdf.specular.filter(|s| s.is_mirror() && brdf.diffuse == Vec3::ZERO);
         let Some(mirror) = mirror else {
             let (triangle, barycentric, direction) = (hit.triangle, hit.barycentric, ray.direction);
             return (distance.unwrap_or(FAR), Some(End { triangle, barycentric, direction, left }));

@@ -57,14 +57,7 @@ impl Images {
         let mirrors = (0u32..)
             .zip(&reflectors.list)
             .filter(|(_, r)| ideal(r))
-            .map(|(number, r)| {
-                let corners = || r.triangles.iter().flat_map(|&t| geometry.positions[t as usize]);
-                let (low, high) =
-                    corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-                let middle = 0.5 * (low + high);
-                let radius = corners().map(|p| p.distance(middle)).fold(0.0, f32::max);
-                Mirror { number, bounds: (middle, radius) }
-            })
+            .map(|(number, r)| Mirror { number, bounds: geometry.sphere_around(&r.triangles) })
             .collect();
         Self { reflectors, mirrors }
     }

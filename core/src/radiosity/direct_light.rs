@@ -69,12 +69,10 @@ impl EmitterLight {
             return Ok(Self { placement, dimmer, at_full: None });
         }
         let full = at_full(world, emitter);
-        let light = |receivers: &[(&Receiver, u32)], rays| {
-            direct::mean_irradiance(world, &full, receivers.iter().copied(), rays)
-        };
+        progress.begin("direct light");
         let mut tables = Tables {
             direct: irradiance(transport, shadow_rays, seed, progress, |_, receivers, rays| {
-                light(receivers, rays)
+                direct::mean_irradiance(world, &full, receivers.iter().copied(), rays)
             })?,
             passed_on: Vec::new(),
         };

@@ -207,7 +207,6 @@ impl RadiositySolution {
         settings: &RadiositySettings,
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
-        progress.begin("direct light");
         let (images, RadiositySettings { shadow_rays, seed, .. }) = (Images::new(&world.geometry), *settings);
         let lighting =
             Lighting { world, transport: &transport, images: &images, shadow_rays, moving: false, seed };

@@ -97,12 +97,7 @@ impl Emitters {
                 if triangles.is_empty() {
                     continue;
                 }
-                let corners = || triangles.iter().flat_map(|&t| geometry.positions[t as usize]);
-                let (low, high) =
-                    corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-                let centre = 0.5 * (low + high);
-                let radius = corners().map(|p| p.distance(centre)).fold(0.0, f32::max);
-                let bounds = (centre, radius);
+                let bounds = geometry.sphere_around(&triangles);
                 list.push(Emitter::Area(AreaEmitter {
                     object: object as u32,
                     triangles,

@@ -69,6 +69,15 @@ impl Surface {
 }
 
 impl Geometry {
+    /// Middle and radius of a sphere around some triangles, m: about the middle of their box.
+    pub fn sphere_around(&self, triangles: &[u32]) -> (Vec3, f32) {
+        let corners = || triangles.iter().flat_map(|&t| self.positions[t as usize]);
+        let (low, high) =
+            corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let middle = 0.5 * (low + high);
+        (middle, corners().map(|p| p.distance(middle)).fold(0.0, f32::max))
+    }
+
     /// Flattens a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut geometry =

@@ -6,7 +6,7 @@ use glam::Vec3;
 /// Share of the distance within which two points in one pixel are the same surface.
 const SAME_SURFACE: f32 = 0.01;
 
-/// Points by pixel of a sample's view, nearest first in none: several where a ray crosses several surfaces.
+/// Points of several samples as one of them sees them: several in a pixel where its ray crosses several surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredImage {
     /// The points.
@@ -20,8 +20,8 @@ pub struct LayeredImage {
 impl LayeredImage {
     /// Merges samples of one element into the view of the first.
     ///
-    /// A point that another one of the same pixel and distance stands for already is dropped. What falls
-    /// outside the view is kept, each as it is.
+    /// A point is dropped where one of the same pixel stands for it already: of the same triangle, or nearly as far
+    /// away. What falls outside the view is kept, each as it is.
     pub fn new(images: &[ImageWithDepth]) -> Self {
         let mut layered = Self { points: Vec::new(), merged_from: 0, layers: 0 };
         let Some(view) = images.first() else { return layered };
@@ -30,7 +30,7 @@ impl LayeredImage {
             layered.merged_from += 1;
             if let Some((pixel, distance)) = seen_from(view, point.position) {
                 let same = |&(d, triangle): &(f32, u32)| {
-                    (d - distance).abs() <= SAME_SURFACE * distance || (triangle == point.triangle)
+                    (d - distance).abs() <= SAME_SURFACE * distance || triangle == point.triangle
                 };
                 if pixels[pixel].iter().any(same) {
                     continue;

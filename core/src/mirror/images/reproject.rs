@@ -52,11 +52,6 @@ pub struct Reprojected {
 }
 
 impl Reprojected {
-    /// Share of the mask that is holes.
-    pub fn hole_share(&self) -> f64 {
-        self.holes as f64 / self.masked.max(1) as f64
-    }
-
     /// Whether a pixel of the mask is a hole.
     pub fn is_hole(&self, mask: &[bool], pixel: usize) -> bool {
         mask[pixel] && self.depth[pixel].is_infinite()
