@@ -1,6 +1,12 @@
 //! The command line: what it writes, and the one line it leaves when something is wrong.
 
-use lumenscope_core::{io::exr, math::colour::luminance};
+use glam::{Vec2, Vec3};
+use lumenscope_core::{
+    io::exr,
+    math::colour::luminance,
+    radiosity::atlas::lookup,
+    scene::{import, world::World},
+};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -238,6 +244,29 @@ fn a_lightmap_is_held_against_our_light() {
     assert_eq!(exr::read_layers(&out.join("ours.exr")).unwrap()[0].1.width, 64);
     let missing = run(&["lightmap", &point, "--map", "nothing.exr"]).unwrap_err();
     assert!(missing.contains("nothing.exr"), "{missing}");
+}
+
+#[test]
+fn light_is_baked_onto_the_coordinates_of_a_file_or_onto_packed_ones() {
+    let (_keep, out) = folder();
+    let (map, packed) = (out.join("light.exr"), out.join("packed.obj"));
+    let bare = scene("analytic/point_over_floor.ron");
+    let error = run(&["bake", &bare, "--out", text(&map)]).unwrap_err();
+    assert!(error.contains("--atlas") && error.contains("cover no texel"), "{error}");
+    run(&["bake", &bare, "--out", text(&map), "--atlas", text(&packed), "--padding", "2"]).unwrap();
+    // What was written is a scene over whose coordinates the light lies.
+    let again = import::load(&packed).unwrap();
+    let world = World::new(&again);
+    let light = &exr::read_layers(&map).unwrap()[0].1;
+    for t in 0..world.geometry.len() as u32 {
+        let uv = world.geometry.lightmap_uvs[t as usize];
+        let position = world.geometry.positions[t as usize].into_iter().sum::<Vec3>() / 3.0;
+        let found = luminance(lookup(light, uv.into_iter().sum::<Vec2>() / 3.0));
+        let wanted = 100.0 / position.distance(Vec3::Y).powi(3);
+        assert!((found - wanted).abs() < 0.02 * wanted, "{position}: {found} for {wanted}");
+    }
+    let size = run(&["bake", &bare, "--out", text(&map), "--size", "9000x10"]).unwrap_err();
+    assert!(size.contains("9000"), "{size}");
 }
 
 #[test]

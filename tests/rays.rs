@@ -39,6 +39,7 @@ fn mesh_of(triangles: &[[Vec3; 3]]) -> Mesh {
     Mesh {
         normals: vec![Vec3::Y; n],
         uvs: vec![Vec2::ZERO; n],
+        lightmap_uvs: Vec::new(),
         triangles: (0..n as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         positions,
     }

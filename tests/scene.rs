@@ -105,6 +105,22 @@ fn write_quad(folder: &Path, gltf: &Value) -> PathBuf {
 }
 
 #[test]
+fn lightmaps_take_the_second_set_of_texture_coordinates() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = Geometry::new(&load(&write_quad(folder.path(), &quad_gltf())).unwrap());
+    assert_eq!(one.lightmap_uvs, one.uvs);
+    let mut gltf = quad_gltf();
+    gltf["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(1);
+    let scene = load(&write_quad(folder.path(), &gltf)).unwrap();
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    let two = Geometry::new(&scene);
+    // As the file has them; the texture transform moves those of the pictures only.
+    assert_eq!(two.lightmap_uvs[0], [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0)]);
+    assert_eq!(two.uvs, one.uvs);
+    assert_ne!(two.uvs, two.lightmap_uvs);
+}
+
+#[test]
 fn gltf_gives_objects_materials_lamps_and_camera() {
     let folder = tempfile::tempdir().unwrap();
     let scene = load(&write_quad(folder.path(), &quad_gltf())).unwrap();

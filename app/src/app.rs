@@ -8,7 +8,7 @@ mod keys;
 
 use crate::{
     command::{Command, Window as WindowCommand},
-    lightmaps::{JUDGING, LightmapFile},
+    lightmaps::{JUDGING, LIGHTMAPS, LightmapFile},
     panels::{
         dock::{Dock, Pane, Shown},
         empty, help, menu,
@@ -207,6 +207,9 @@ impl LumenscopeApp {
                     // Another may have been opened meanwhile.
                     if self.session.lightmap_file.as_ref() == Some(&judged.file) {
                         self.session.lightmap = Some(judged);
+                        if self.session.document.view.views.iter().any(|v| LIGHTMAPS.contains(&v.as_str())) {
+                            self.carry_out(ctx, Effect::Inspect);
+                        }
                     }
                 }
                 News::Plan(plan) => self.session.plan = Some(plan),

@@ -1,19 +1,24 @@
 //! A lightmap baked elsewhere, held against our light: reading it, and what is shown and said of it.
 
-use anyhow::{Result, bail};
-use glam::Vec3;
+use anyhow::{Context, Result, bail};
+use glam::{Vec2, Vec3};
 use lumenscope_core::{
     io::panorama as files,
     math::{
         colour::{linear_from_srgb, luminance, srgb8},
         false_colour::{FalseColour, Palette},
         image::LinearImage,
+        progress::Progress,
     },
     measure::irradiance::{ErrorStatistics, relative_errors},
-    radiosity::lightmap::{JudgedTexel, LightmapReport, judge},
+    radiosity::lightmap::{JudgedTexel, LightmapError, LightmapReport, judge},
+    scene::world::World,
     transport::LightTransportSolution,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
 
 /// The job that holds a lightmap against the light, as the journal names it.
 pub const JUDGING: &str = "Judging a lightmap";
@@ -34,7 +39,7 @@ impl LightmapFile {
         EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e))
     }
 
-    /// Irradiance of each texel, lx.
+    /// Irradiance of each texel, lx, as the file has it.
     ///
     /// # Errors
     /// With the file's name, if it cannot be read, or white is no illuminance.
@@ -42,7 +47,7 @@ impl LightmapFile {
         if !(self.white > 0.0 && self.white.is_finite()) {
             bail!("white must be a positive illuminance, got {} lx", self.white);
         }
-        let mut map = files::read(&self.path)?;
+        let mut map = files::read_as_written(&self.path)?;
         let encoded = self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         for pixel in &mut map.pixels {
             let linear = if encoded { Vec3::from(pixel.to_array().map(linear_from_srgb)) } else { *pixel };
@@ -51,6 +56,14 @@ impl LightmapFile {
         Ok(map)
     }
 }
+
+/// Corners of every triangle on a lightmap.
+pub fn coordinates(world: &World) -> Vec<Option<[Vec2; 3]>> {
+    world.geometry.lightmap_uvs.iter().map(|uvs| Some(*uvs)).collect()
+}
+
+/// Views of the registry that show it in the scene.
+pub const LIGHTMAPS: [&str; 2] = ["radiosity.lightmap", "radiosity.lightmap_difference"];
 
 /// Extensions of lightmaps.
 pub const EXTENSIONS: [&str; 3] = ["exr", "hdr", "png"];
@@ -64,6 +77,8 @@ pub enum Fault {
     Dark,
     /// Covered by more than one triangle.
     Overlap,
+    /// Infinite or not a number in the lightmap.
+    NotFinite,
     /// The light jumps between coplanar triangles.
     Seam,
     /// Mapped with a ratio of more than 4 between the directions.
@@ -72,7 +87,8 @@ pub enum Fault {
 
 impl Fault {
     /// Every kind; of those that meet in a texel the first is shown.
-    pub const ALL: [Self; 5] = [Self::Overlap, Self::Leak, Self::Dark, Self::Seam, Self::Stretched];
+    pub const ALL: [Self; 6] =
+        [Self::Overlap, Self::NotFinite, Self::Leak, Self::Dark, Self::Seam, Self::Stretched];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -80,6 +96,7 @@ impl Fault {
             Self::Leak => "leaks",
             Self::Dark => "dark",
             Self::Overlap => "overlaps",
+            Self::NotFinite => "not finite",
             Self::Seam => "seams",
             Self::Stretched => "stretched",
         }
@@ -93,6 +110,7 @@ impl Fault {
             }
             Self::Dark => "Texels black in the lightmap where there is light",
             Self::Overlap => "Texels that more than one triangle covers",
+            Self::NotFinite => "Texels that hold an infinite value or none",
             Self::Seam => {
                 "Edges between coplanar triangles across which the lightmap jumps by more than 10 %"
             }
@@ -106,6 +124,7 @@ impl Fault {
             Self::Leak => [255, 140, 0],
             Self::Dark => [40, 90, 255],
             Self::Overlap => [255, 0, 220],
+            Self::NotFinite => [230, 30, 30],
             Self::Seam => [60, 220, 90],
             Self::Stretched => [240, 225, 60],
         }
@@ -117,7 +136,7 @@ impl Fault {
 pub struct JudgedLightmap {
     /// The file.
     pub file: LightmapFile,
-    /// Its irradiance, lx.
+    /// Its irradiance, lx; black where that is negative or not a finite number.
     pub map: LinearImage,
     /// What was found.
     pub report: LightmapReport,
@@ -131,13 +150,16 @@ impl JudgedLightmap {
     /// Reads a lightmap over the scene's texture coordinates and holds it against its light.
     ///
     /// # Errors
-    /// With the file's name, if it cannot be read, or the scene's coordinates cover none of it.
-    pub fn new(file: &LightmapFile, solution: &LightTransportSolution) -> Result<Self> {
-        let map = file.read()?;
-        let uvs: Vec<_> = solution.world.geometry.uvs.iter().map(|uvs| Some(*uvs)).collect();
-        let report = judge(&solution.world, &solution.radiosity, &map, &uvs);
-        if report.texels.is_empty() {
-            bail!("{}: the texture coordinates of the scene cover no texel", file.path.display());
+    /// With the file's name, if it cannot be read or does not fit the scene's coordinates; if cancelled.
+    pub fn new(file: &LightmapFile, solution: &LightTransportSolution, progress: &Progress) -> Result<Self> {
+        let mut map = file.read()?;
+        let world = &solution.world;
+        let report = match judge(world, &solution.radiosity, &map, &coordinates(world), progress) {
+            Err(LightmapError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            judged => judged.with_context(|| file.path.display().to_string())?,
+        };
+        for pixel in &mut map.pixels {
+            *pixel = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
         }
         let column = |value: fn(&JudgedTexel) -> Vec3| report.texels.iter().map(value).collect::<Vec<_>>();
         let errors = relative_errors(&column(|t| t.found), &column(|t| t.ours))?;
@@ -150,6 +172,7 @@ impl JudgedLightmap {
         let report = &self.report;
         match fault {
             Fault::Leak => (report.leaks.len(), "texels"),
+            Fault::NotFinite => (report.not_finite.len(), "texels"),
             Fault::Dark => (report.dark.len(), "texels"),
             Fault::Overlap => (report.overlapping.len(), "texels"),
             Fault::Seam => (report.seams.len(), "edges"),
@@ -213,6 +236,7 @@ fn faults(
     for fault in Fault::ALL {
         match fault {
             Fault::Overlap => report.overlapping.iter().for_each(|&at| mark(at, fault)),
+            Fault::NotFinite => report.not_finite.iter().for_each(|&i| mark(report.texels[i].at, fault)),
             Fault::Leak => report.leaks.iter().for_each(|&i| mark(report.texels[i].at, fault)),
             Fault::Dark => report.dark.iter().for_each(|&i| mark(report.texels[i].at, fault)),
             Fault::Stretched => {
@@ -231,7 +255,7 @@ fn seam_texels<'a>(
     solution: &'a LightTransportSolution,
 ) -> impl Iterator<Item = [u32; 2]> + 'a {
     let geometry = &solution.world.geometry;
-    let mut counts = std::collections::HashMap::<u32, u32>::new();
+    let mut counts = HashMap::<u32, u32>::new();
     for texel in &report.texels {
         *counts.entry(texel.triangle).or_default() += 1;
     }
@@ -240,12 +264,18 @@ fn seam_texels<'a>(
         let area = 0.5 * geometry.area_normal(triangle).length();
         (area / counts.get(&triangle).copied().unwrap_or(1) as f32).sqrt()
     };
+    let mut seams = HashMap::<u32, Vec<[Vec3; 2]>>::new();
+    for seam in &report.seams {
+        seam.triangles.into_iter().for_each(|t| seams.entry(t).or_default().push(seam.ends));
+    }
     let near = move |texel: &&JudgedTexel| {
         let reach = 0.75 * size(texel.triangle);
-        report.seams.iter().any(|&[a, b]| {
-            let along = (b - a).length_squared().max(f32::MIN_POSITIVE);
-            let share = ((texel.position - a).dot(b - a) / along).clamp(0.0, 1.0);
-            texel.position.distance_squared(a.lerp(b, share)) < reach * reach
+        seams.get(&texel.triangle).is_some_and(|seams| {
+            seams.iter().any(|&[a, b]| {
+                let along = (b - a).length_squared().max(f32::MIN_POSITIVE);
+                let share = ((texel.position - a).dot(b - a) / along).clamp(0.0, 1.0);
+                texel.position.distance_squared(a.lerp(b, share)) < reach * reach
+            })
         })
     };
     report.texels.iter().filter(near).map(|t| t.at)

@@ -175,6 +175,7 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
         volume: &volume,
         against: against.as_deref(),
         placement: request.measurement.as_deref().map(|m| (m, &request.requirement)),
+        lightmap: request.lightmap.as_deref().map(|l| &l.report),
     };
     let spheres = shown.shown.then_some(SPHERES);
     let ids = spheres.into_iter().chain(request.views.iter().map(String::as_str).filter(|v| *v != SPHERES));

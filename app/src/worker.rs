@@ -98,6 +98,8 @@ pub struct InspectRequest {
     pub views: Vec<String>,
     /// Volumes kept.
     pub kept: Vec<Kept>,
+    /// The lightmap that is held against the light.
+    pub lightmap: Option<Arc<JudgedLightmap>>,
 }
 
 /// A picture wanted from the path tracer.

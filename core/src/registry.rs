@@ -14,7 +14,12 @@ use crate::{
     },
     math::part::Part,
     mirror::{MirrorSettings, images::inspect::images as mirror_images, inspect as mirror},
-    radiosity::{inspect as radiosity, inspect_trees as layout},
+    radiosity::{
+        inspect as radiosity,
+        inspect_lightmap::{self, Shown},
+        inspect_trees as layout,
+        lightmap::LightmapReport,
+    },
     transport::LightTransportSolution,
 };
 
@@ -46,6 +51,8 @@ pub struct ViewInput<'a> {
     pub against: Option<&'a IrradianceVolume>,
     /// Illuminance where it is measured, and what is asked of it.
     pub placement: Option<(&'a Measurement, &'a Requirement)>,
+    /// The lightmap that is held against the light.
+    pub lightmap: Option<&'a LightmapReport>,
 }
 
 /// Radius of an open probe's spheres, as a share of the scene's diagonal.
@@ -242,7 +249,26 @@ pub const VIEWS: &[ViewRow] = &[
         tooltip: "Lines from the element that was clicked to those it takes most light from: B/N for each of its N gather rays that met one of radiosity B, in lx.",
         build: |input| layout::links(&input.solution.radiosity, input.element?),
     },
+    ViewRow {
+        id: "radiosity.lightmap",
+        systems: &["B3"],
+        title: "Lightmap",
+        tooltip: "The lightmap that is open, in lx on the surfaces it was baked for; green lines are its seams.",
+        build: |input| on_scene(input, Shown::Light),
+    },
+    ViewRow {
+        id: "radiosity.lightmap_difference",
+        systems: &["B3"],
+        title: "Lightmap less our light",
+        tooltip: "The lightmap that is open less our irradiance at its texels, in lx by luminance: red where it has more.",
+        build: |input| on_scene(input, Shown::Difference),
+    },
 ];
+
+fn on_scene(input: &ViewInput, shown: Shown) -> Option<InspectionScene> {
+    let (world, spacing_m) = (&input.solution.world, input.solution.radiosity.transport().map.spacing_m);
+    Some(inspect_lightmap::on_surfaces(input.lightmap?, world, spacing_m, shown))
+}
 
 /// The view with this id.
 pub fn view(id: &str) -> Option<&'static ViewRow> {

@@ -2,14 +2,16 @@
 
 use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{
-    math::{image::LinearImage, part::Part, progress::Progress, random::Rng},
+    math::{colour::luminance, image::LinearImage, part::Part, progress::Progress, random::Rng},
     measure::irradiance::relative_errors,
     radiosity::{
         RadiositySettings, RadiositySolution,
         atlas::{Atlas, bake, lookup},
-        lightmap::{LightmapReport, judge},
+        inspect_lightmap::{Shown, on_surfaces},
+        lightmap::{LightmapError, LightmapReport, judge},
+        texels::{self, Coverage},
     },
-    scene::{Scene, world::World},
+    scene::{Scene, accel::Ray, world::World},
 };
 use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse};
 
@@ -65,7 +67,7 @@ fn our_own_bake_has_no_fault_and_each_fault_is_found() {
         let wanted = solution.irradiance(t, Vec2::new(0.5, 0.2), false, Part::All);
         assert!((at - wanted).abs().max_element() < 1e-3 * wanted.max_element(), "{t}: {at} for {wanted}");
     }
-    let clean = judge(&world, &solution, &image, &uvs);
+    let clean = judge(&world, &solution, &image, &uvs, &Progress::silent()).expect("a lightmap");
     assert!(clean.texels.len() > 2000 && errors(&clean) < 0.01, "{} {}", clean.texels.len(), errors(&clean));
     assert!(clean.overlapping.is_empty() && clean.stretched.is_empty() && clean.unmapped.is_empty());
     assert!(
@@ -75,7 +77,7 @@ fn our_own_bake_has_no_fault_and_each_fault_is_found() {
     let with = |image: &LinearImage, change: &dyn Fn(&mut Uvs)| {
         let mut uvs = uvs.clone();
         change(&mut uvs);
-        judge(&world, &solution, image, &uvs)
+        judge(&world, &solution, image, &uvs, &Progress::silent()).expect("a lightmap")
     };
     let overlapping = with(&image, &|uvs| uvs[2] = uvs[0]);
     assert!(overlapping.overlapping.len() > 50, "{}", overlapping.overlapping.len());
@@ -102,6 +104,75 @@ fn our_own_bake_has_no_fault_and_each_fault_is_found() {
     let dark: Vec<[u32; 2]> = clean.texels.iter().filter(|t| t.triangle == 4).map(|t| t.at).collect();
     dark.iter().for_each(|at| black.pixels[(at[1] * black.width + at[0]) as usize] = Vec3::ZERO);
     assert_eq!(with(&black, &|_| {}).dark.len(), dark.len());
+    // What is no number is named as such, and counts as black in the errors.
+    dark.iter().for_each(|at| black.pixels[(at[1] * black.width + at[0]) as usize] = Vec3::NAN);
+    let broken = with(&black, &|_| {});
+    assert_eq!((broken.not_finite.len(), broken.dark.len()), (dark.len(), 0));
+    assert!(broken.texels.iter().all(|t| t.found.is_finite()));
+}
+
+#[test]
+fn our_light_baked_onto_coordinates_of_a_file_has_no_fault() {
+    let (world, solution) = room();
+    let (_, uvs) = bake(&solution, Part::All, 2);
+    let silent = Progress::silent();
+    let size = [160, 160];
+    let map = texels::bake(&world, &solution, &uvs, size, 2, &silent).expect("bakes");
+    let report = judge(&world, &solution, &map, &uvs, &silent).expect("a lightmap");
+    assert!(errors(&report) == 0.0 && report.seams.is_empty() && report.dark.is_empty());
+    // Padding repeats the light of the chart: bilinear lookup at its corners meets no black.
+    for (t, uvs) in uvs.iter().enumerate() {
+        let at = lookup(&map, uvs.expect("coordinates")[0]);
+        let wanted = solution.irradiance(t as u32, Vec2::ZERO, false, Part::All);
+        assert!(luminance(at) > 0.7 * luminance(wanted), "{t}: {at} for {wanted}");
+    }
+    // On the surfaces: the light there, and no difference to ours.
+    let mut world = world;
+    world.geometry.lightmap_uvs = uvs.iter().map(|uvs| uvs.expect("coordinates")).collect();
+    for (shown, wanted) in [(Shown::Light, 1.0), (Shown::Difference, 0.0)] {
+        let view = on_surfaces(&report, &world, 0.1, shown);
+        let mesh = &view.meshes[0];
+        assert!(mesh.triangles.len() > 1000);
+        for t in mesh.triangles.iter().step_by(97) {
+            let middle = t.iter().map(|i| mesh.positions[*i as usize]).sum::<Vec3>() / 3.0;
+            let found = t.iter().map(|i| luminance(mesh.values[*i as usize])).sum::<f32>() / 3.0;
+            let towards = Vec3::new(1.0, 1.2, 1.5) - middle;
+            let hit =
+                world.accel.trace(&Ray::new(middle + towards * 0.1, -towards.normalize())).expect("a wall");
+            let ours = luminance(solution.irradiance(hit.triangle, hit.barycentric, false, Part::All));
+            assert!((found - wanted * ours).abs() < 0.3 * ours, "{middle}: {found} for {ours}");
+        }
+    }
+}
+
+#[test]
+fn coordinates_that_repeat_or_cover_nothing_are_refused() {
+    let (world, solution) = room();
+    let over = |uvs: [Vec2; 3]| {
+        let uvs = vec![Some(uvs); world.geometry.len()];
+        texels::bake(&world, &solution, &uvs, [64, 64], 0, &Progress::silent()).map_err(|e| e.to_string())
+    };
+    // Twelve triangles over half the map each: six times.
+    let half = [Vec2::ZERO, Vec2::X, Vec2::Y];
+    assert!(over(half).is_ok());
+    let many = |times: usize| {
+        let mut scene = Scene::default();
+        let wall = diffuse("wall", Vec3::splat(0.6), Vec3::ZERO);
+        for i in 0..times {
+            let low = Vec3::X * 3.0 * i as f32;
+            add(&mut scene, "room", cuboid(low, low + Vec3::ONE, true), wall.clone());
+        }
+        let world = World::new(&scene);
+        Coverage::new(&world, &vec![Some(half); world.geometry.len()], [64, 64]).map_err(|e| e.to_string())
+    };
+    let refused = many(2).expect_err("twelve times over");
+    assert!(refused.contains("12 times"), "{refused}");
+    assert!(over([Vec2::ZERO; 3]).is_err_and(|e| e.contains("no texel")));
+    let cancelled = Progress::default();
+    cancelled.cancel();
+    let (_, uvs) = bake(&solution, Part::All, 2);
+    let stopped = texels::bake(&world, &solution, &uvs, [64, 64], 0, &cancelled);
+    assert!(matches!(stopped, Err(LightmapError::Cancelled(_))));
 }
 
 #[test]
@@ -118,7 +189,7 @@ fn light_where_there_is_none_is_a_leak() {
     let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
     let (image, uvs) = bake(&solution, Part::All, 1);
     let bright = LinearImage::from_fn(image.width, image.height, |_, _| Vec3::splat(150.0));
-    let report = judge(&world, &solution, &bright, &uvs);
+    let report = judge(&world, &solution, &bright, &uvs, &Progress::silent()).expect("a lightmap");
     let in_dark = |i: &usize| report.texels[*i].position.x > 2.5;
     assert!(!report.leaks.is_empty() && report.leaks.iter().all(in_dark));
     assert_eq!(report.leaks.len(), (0..report.texels.len()).filter(in_dark).count());

@@ -3,7 +3,11 @@
 use crate::window::Window;
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use lumenscope::{command::Command, lightmaps::Fault, panels::lightmap};
+use lumenscope::{
+    command::Command,
+    lightmaps::{Fault, LightmapFile},
+    panels::lightmap,
+};
 use lumenscope_core::{io::exr, math::image::LinearImage};
 use std::fs;
 
@@ -13,6 +17,19 @@ const SCENE: &str = r#"(
     models: [(file: "floor.obj")],
     lamps: [Point(name: "lamp", at: (0.5, 1.0, 0.5), intensity: (100.0, 100.0, 100.0))],
 )"#;
+
+#[test]
+fn a_png_holds_encoded_shares_of_its_white() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.PNG");
+    let grey = image::RgbImage::from_pixel(2, 2, image::Rgb([188, 0, 255]));
+    grey.save(&path).unwrap();
+    let file = LightmapFile { path, white: 200.0 };
+    assert!(LightmapFile::is_one(&file.path));
+    // ((188 / 255 + 0.055) / 1.055)^2.4 = 0.5029 by IEC 61966-2-1.
+    let pixel = file.read().unwrap().pixels[3];
+    assert!((pixel - Vec3::new(100.58, 0.0, 200.0)).abs().max_element() < 0.02, "{pixel}");
+}
 
 #[test]
 fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
@@ -52,15 +69,24 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
         window.harness.get_by_label(name);
     }
     window.harness.get_by_label("256 texels");
+    // On the floor itself: a quarter is black.
+    window.harness.get_by_label("the lightmap").click();
+    window.wait("the view", |app| app.session().inspection.is_some());
+    window.harness.run_steps(3);
+    window.keep("lightmap_in_scene");
+    let shown = window.app().session().inspection.clone().unwrap();
+    let mesh = &shown.meshes[0];
+    let black = mesh.values.iter().filter(|v| **v == Vec3::ZERO).count() as f32 / mesh.values.len() as f32;
+    assert!((0.2..0.3).contains(&black), "{black}");
 
     // One that is no picture is said so once, and let go.
     let broken = folder.join("broken.exr");
     fs::write(&broken, "no picture").unwrap();
-    window.run(Command::Lightmap(lumenscope::lightmaps::LightmapFile { white: 1.0, path: broken }));
+    window.run(Command::Lightmap(LightmapFile { path: broken, white: 1.0 }));
     window.wait("the notice", |app| !app.is_busy() && app.session().lightmap_file.is_none());
 
     // Another white, other light: twice as much as ours everywhere.
-    window.run(Command::Lightmap(lumenscope::lightmaps::LightmapFile { white: 2.0, path: file.clone() }));
+    window.run(Command::Lightmap(LightmapFile { white: 2.0, path: file.clone() }));
     window.wait("the lightmap again", |app| app.session().lightmap.is_some());
     let median = window.app().session().lightmap.as_ref().unwrap().errors.median;
     assert!((median - 1.0).abs() < 2e-3, "{median}");

@@ -109,6 +109,7 @@ impl LumenscopeApp {
             volume: view.volume.clone(),
             views: view.views.clone(),
             kept: self.session.kept.clone(),
+            lightmap: self.session.lightmap.clone(),
         });
     }
 

@@ -24,6 +24,7 @@ use lumenscope_core::{
         },
         reflectors::{NO_REFLECTOR, Reflectors},
     },
+    scene::geometry::Geometry,
     superposition::{PassSettings, composite::DirectQuality, gbuffer::GBuffer, pass::Shading},
 };
 use std::{fmt::Write as _, path::PathBuf, time::Instant};
@@ -77,9 +78,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     }
     solve::output_folder(&options.out)?;
     let loaded = solve::load(&options.scene, common)?;
-    let solution = solve::solve(&loaded, false)?;
-    let (world, camera) = (&solution.world, &solution.scene.camera);
-    let reflectors = Reflectors::new(&world.geometry);
+    let reflectors = Reflectors::new(&Geometry::new(&loaded.scene));
     if reflectors.is_empty() {
         bail!("{}: nothing flat is polished", options.scene.display());
     }
@@ -96,6 +95,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
              {gigabytes:.0} GB; at most {MOST_GIGABYTES} GB are taken: choose larger elements or fewer images"
         );
     }
+    let solution = solve::solve(&loaded, false)?;
+    let (world, camera) = (&solution.world, &solution.scene.camera);
     let pass = PassSettings { direct: DirectQuality::Elements, seed: common.seed, ..PassSettings::default() };
     let shading = Shading::new(&solution, &pass);
     let sets = sample(options, &shading, &reflectors)?;

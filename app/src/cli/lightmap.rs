@@ -42,7 +42,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     file.read()?;
     let loaded = solve::load(&options.scene, common)?;
     let solution = solve::solve(&loaded, false)?;
-    let judged = JudgedLightmap::new(&file, &solution)?;
+    let judged = solve::watched(|progress| JudgedLightmap::new(&file, &solution, progress))?;
     println!("{}", serde_json::to_string_pretty(&summary(&judged))?);
     let Some(out) = &options.out else { return Ok(()) };
     solve::output_folder(out)?;
@@ -69,7 +69,8 @@ fn summary(judged: &JudgedLightmap) -> serde_json::Value {
         "stretched_triangles": report.stretched.len(),
         "triangles_of_uneven_density": report.uneven.len(),
         "seams": report.seams.len(),
-        "first_seams_m": report.seams.iter().take(LISTED).map(|s| s.map(|p| p.to_array())).collect::<Vec<_>>(),
+        "first_seams_m": report.seams.iter().take(LISTED).map(|s| s.ends.map(|p| p.to_array())).collect::<Vec<_>>(),
+        "not_finite_texels": report.not_finite.len(),
         "dark_texels": report.dark.len(),
         "first_dark_m": places(&report.dark),
         "leaking_texels": report.leaks.len(),

@@ -1,5 +1,6 @@
 //! The command line: one binary, one subcommand a job, one clear line when something is wrong.
 
+mod bake;
 mod compare;
 mod copies;
 mod cost;
@@ -124,6 +125,9 @@ enum Job {
     /// A lightmap baked elsewhere against our light: errors, seams, overlaps, leaks.
     #[command(after_help = "Example: lumenscope lightmap room.glb --map baked.exr --out out")]
     Lightmap(lightmap::Options),
+    /// Our light as a lightmap over a scene's texture coordinates, or over coordinates packed here.
+    #[command(after_help = "Example: lumenscope bake room.glb --out light.exr --size 1024")]
+    Bake(bake::Options),
     /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
     #[command(after_help = "Example: lumenscope textures --out out --samples 5")]
     Textures(textures::Options),
@@ -173,6 +177,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Compare(options)) => compare::run(&options),
         Some(Job::Replay(options)) => replay::run(&options, common),
         Some(Job::Lightmap(options)) => lightmap::run(&options, common),
+        Some(Job::Bake(options)) => bake::run(&options, common),
         Some(Job::Textures(options)) => textures::run(&options),
         Some(Job::Glossy(options)) => glossy::run(&options, common),
         Some(Job::Images(options)) => images::run(&options, common),

@@ -165,10 +165,11 @@ pub fn write_pictures(
     let input = ViewInput {
         solution,
         probe: Some(&probe),
-        element: element_below(solution, probe.position),
+        element: element_looked_at(solution),
         volume: &VolumeView::default(),
         against: without_main.as_ref(),
         placement: measured.as_ref().zip(writing.as_ref()),
+        lightmap: None,
     };
     let mut legends = serde_json::Map::new();
     for view in VIEWS {
@@ -187,10 +188,12 @@ pub fn write_pictures(
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
 }
 
-/// The element that a ray straight down from a point meets.
-fn element_below(solution: &LightTransportSolution, at: Vec3) -> Option<u32> {
-    let hit = solution.world.accel.trace(&Ray::new(at, Vec3::NEG_Y))?;
-    let surface = solution.world.geometry.surface(hit.triangle, hit.barycentric, Vec3::NEG_Y);
+/// The element in the middle of the picture.
+fn element_looked_at(solution: &LightTransportSolution) -> Option<u32> {
+    let camera = &solution.scene.camera;
+    let towards = (camera.target - camera.eye).normalize();
+    let hit = solution.world.accel.trace(&Ray::new(camera.eye, towards))?;
+    let surface = solution.world.geometry.surface(hit.triangle, hit.barycentric, towards);
     Some(solution.radiosity.element_at(surface.triangle, surface.barycentric, surface.back))
 }
 

@@ -1,9 +1,9 @@
 //! A lightmap baked elsewhere: itself, how far it is from our light, and its faults.
 
-use super::section;
+use super::{edit_view, section};
 use crate::{
     command::{Command, Dialog},
-    lightmaps::{Fault, JudgedLightmap, LightmapFile},
+    lightmaps::{Fault, JudgedLightmap, LIGHTMAPS, LightmapFile},
     session::Session,
     widgets::{
         field::{Field, bulk},
@@ -14,6 +14,7 @@ use egui::{Color32, DragValue, Grid, RichText, Sense, Ui, vec2};
 use lumenscope_core::{
     inspection::Legend,
     math::false_colour::{FalseColour, Palette},
+    transport::solution::State as LightState,
 };
 use std::{fmt::Write as _, sync::Arc};
 
@@ -50,6 +51,10 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
     if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, judged)) {
         state.draw(judged);
     }
+    if session.solution.as_ref().is_some_and(|s| s.provenance.state != LightState::Settled) {
+        ui.weak("The light is changing; what is shown here is of the light before.");
+    }
+    in_scene(ui, session, out);
     let aspect = judged.map.height as f32 / judged.map.width.max(1) as f32;
     let width = ((ui.available_width() - 8.0) / 2.0).clamp(60.0, 300.0);
     for pair in state.fields.chunks_mut(2) {
@@ -64,6 +69,23 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
     }
     bar(ui, "lightmap − ours", &judged.difference_colours());
     section(ui, "Faults", |ui| faults(ui, judged));
+}
+
+fn in_scene(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.label("In the scene")
+            .on_hover_text("Shows it on the surfaces it was baked for; green lines are seams");
+        edit_view(&session.document.view, out, |view| {
+            for (id, name) in LIGHTMAPS.into_iter().zip(["the lightmap", "its difference"]) {
+                let mut on = view.views.iter().any(|v| v == id);
+                if ui.checkbox(&mut on, name).changed() {
+                    // One covers the other.
+                    view.views.retain(|v| !LIGHTMAPS.contains(&v.as_str()));
+                    view.views.extend(on.then(|| id.to_owned()));
+                }
+            }
+        });
+    });
 }
 
 fn white(ui: &mut Ui, file: &LightmapFile, out: &mut Vec<Command>) {

@@ -347,10 +347,8 @@ impl Bench {
 
     fn lightmap(&mut self, file: &LightmapFile) {
         let Some(solution) = self.solution.clone() else { return };
-        let judged = self.job(JUDGING, Rank::Stop, |_, progress| {
-            progress.begin("lightmap");
-            JudgedLightmap::new(file, &solution)
-        });
+        let judged =
+            self.job(JUDGING, Rank::Stop, |_, progress| JudgedLightmap::new(file, &solution, progress));
         if let Some(judged) = judged {
             self.tell(News::Lightmap(Arc::new(judged)));
         }

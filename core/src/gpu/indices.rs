@@ -54,6 +54,7 @@ mod tests {
         scene.meshes.push(Arc::new(Mesh {
             normals: vec![Vec3::Z; 40],
             uvs: vec![Vec2::ZERO; 40],
+            lightmap_uvs: Vec::new(),
             positions,
             triangles: triangles.collect(),
         }));

@@ -8,17 +8,18 @@
 //!
 //! Limits: fronts only; a texel whose middle no triangle covers is padding and not judged.
 
-use super::{RadiositySolution, atlas::lookup};
+use super::{RadiositySolution, atlas::lookup, texels::Coverage};
 use crate::{
-    math::{colour::luminance, image::LinearImage, part::Part},
+    math::{
+        colour::luminance,
+        image::LinearImage,
+        progress::{Cancelled, Progress},
+    },
     scene::world::World,
 };
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Shadow rays of the light a texel is held to.
-const SHADOW_RAYS: u32 = 16;
 /// Share of the mean irradiance that counts as dark.
 const DARK_SHARE: f32 = 0.02;
 /// Share of the mean irradiance by which a texel in the dark is lit from elsewhere.
@@ -27,6 +28,26 @@ const LEAK_SHARE: f32 = 0.2;
 const STRETCH: f32 = 4.0;
 /// Jump across an edge, relative to the light there, that is a seam.
 const SEAM: f32 = 0.1;
+
+/// Why a lightmap is not looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum LightmapError {
+    /// Coordinates of textures that repeat.
+    #[error(
+        "the texture coordinates cover the map {times:.0} times over: they are for textures that repeat, not for a \
+         lightmap"
+    )]
+    Repeating {
+        /// Area of all triangles on the map over the map's.
+        times: f32,
+    },
+    /// No middle of a texel lies in a triangle.
+    #[error("the texture coordinates of the scene cover no texel")]
+    Uncovered,
+    /// It was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
 
 /// One texel that a triangle covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,15 +58,26 @@ pub struct JudgedTexel {
     pub triangle: u32,
     /// Where it lies, m.
     pub position: Vec3,
-    /// The lightmap's irradiance, lx.
+    /// The lightmap's irradiance, lx; 0 where that is not a finite number.
     pub found: Vec3,
     /// Ours, lx.
     pub ours: Vec3,
 }
 
+/// An edge across which the light jumps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seam {
+    /// Its ends, m.
+    pub ends: [Vec3; 2],
+    /// The triangles that share it.
+    pub triangles: [u32; 2],
+}
+
 /// What was found about a lightmap.
 #[derive(Clone, Debug, Default)]
 pub struct LightmapReport {
+    /// Columns and rows of the lightmap.
+    pub size: [u32; 2],
     /// Covered texels, by row and column.
     pub texels: Vec<JudgedTexel>,
     /// Triangles whose coordinates are no triangle or leave the unit square.
@@ -56,8 +88,10 @@ pub struct LightmapReport {
     pub stretched: Vec<u32>,
     /// Triangles with less than half or more than twice the median of texels a metre.
     pub uneven: Vec<u32>,
-    /// Edges between coplanar triangles across which the lightmap jumps by more than 10 %: their ends, m.
-    pub seams: Vec<[Vec3; 2]>,
+    /// Edges between coplanar triangles across which the lightmap jumps by more than 10 %.
+    pub seams: Vec<Seam>,
+    /// Indices into `texels`: infinite or not a number in the lightmap.
+    pub not_finite: Vec<usize>,
     /// Indices into `texels`: black in the lightmap, light in ours.
     pub dark: Vec<usize>,
     /// Indices into `texels`: dark in ours, lit in the lightmap.
@@ -66,120 +100,68 @@ pub struct LightmapReport {
 
 /// Compares a lightmap with our light; `uvs` are each triangle's corners on it, v down.
 ///
-/// # Panics
-/// If there is not one entry a triangle.
+/// # Errors
+/// As [`Coverage::new`] and [`Coverage::light`].
 pub fn judge(
     world: &World,
     solution: &RadiositySolution,
     image: &LinearImage,
     uvs: &[Option<[Vec2; 3]>],
-) -> LightmapReport {
-    assert_eq!(uvs.len(), world.geometry.len(), "texture coordinates of every triangle");
-    let mut report = LightmapReport::default();
-    let size = Vec2::new(image.width as f32, image.height as f32);
-    let mut owner: BTreeMap<[u32; 2], (u32, Vec2, bool)> = BTreeMap::new();
-    let mut densities = Vec::new();
-    for (t, uvs) in uvs.iter().enumerate() {
-        let Some(uvs) = uvs else { continue };
-        let corners = uvs.map(|uv| uv * size);
-        let outside = |p: &Vec2| p.is_nan() || p.min_element() < -0.5 || (*p - size).max_element() > 0.5;
-        let area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
-        if corners.iter().any(outside) || area == 0.0 || !area.is_finite() {
-            report.unmapped.push(t as u32);
-            continue;
-        }
-        let [least, most] = scales(world.geometry.positions[t], corners);
-        if most > STRETCH * least {
-            report.stretched.push(t as u32);
-        }
-        densities.push((t as u32, (least * most).sqrt()));
-        for (at, barycentric, inside) in covered(corners) {
-            if at[0] >= image.width || at[1] >= image.height {
-                continue;
-            }
-            let new = (t as u32, barycentric, inside);
-            let known = owner.entry(at).or_insert(new);
-            if known.0 != new.0 {
-                if known.2 && inside {
-                    report.overlapping.push(at);
-                }
-                *known = if inside { new } else { *known };
-            }
-        }
-    }
-    report.overlapping.sort_unstable();
-    report.overlapping.dedup();
-    let mut sorted: Vec<f32> = densities.iter().map(|d| d.1).collect();
+    progress: &Progress,
+) -> Result<LightmapReport, LightmapError> {
+    progress.begin("our light on a lightmap");
+    let size = [image.width, image.height];
+    let coverage = Coverage::new(world, uvs, size)?;
+    let light = coverage.light(world, solution, progress)?;
+    let texels = coverage.texels.iter().zip(light).map(|(texel, (position, ours))| {
+        let found = image.at(texel.at[0], texel.at[1]);
+        JudgedTexel { at: texel.at, triangle: texel.triangle, position, found, ours }
+    });
+    let mut report = LightmapReport {
+        size,
+        texels: texels.collect(),
+        unmapped: coverage.unmapped,
+        overlapping: coverage.overlapping,
+        seams: seams(world, image, uvs),
+        ..LightmapReport::default()
+    };
+    let mut sorted: Vec<f32> = coverage.scales.iter().map(|(_, s)| density(*s)).collect();
     sorted.sort_by(f32::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    report.uneven =
-        densities.iter().filter(|(_, d)| *d < 0.5 * median || *d > 2.0 * median).map(|(t, _)| *t).collect();
-    report.texels = owner
-        .into_iter()
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|(at, (triangle, barycentric, _))| {
-            let front = -world.geometry.area_normal(triangle);
-            let surface = world.geometry.surface(triangle, barycentric, front);
-            let scramble = at[1] * image.width + at[0];
-            let ours = solution.irradiance_exact_direct(world, &surface, Part::All, SHADOW_RAYS, scramble);
-            JudgedTexel { at, triangle, position: surface.position, found: image.at(at[0], at[1]), ours }
-        })
-        .collect();
+    for (triangle, scales @ [least, most]) in coverage.scales {
+        if most > STRETCH * least {
+            report.stretched.push(triangle);
+        }
+        if !(0.5 * median..=2.0 * median).contains(&density(scales)) {
+            report.uneven.push(triangle);
+        }
+    }
     let mean =
         report.texels.iter().map(|t| luminance(t.ours)).sum::<f32>() / report.texels.len().max(1) as f32;
-    for (i, texel) in report.texels.iter().enumerate() {
+    for (i, texel) in report.texels.iter_mut().enumerate() {
+        if !texel.found.is_finite() {
+            texel.found = Vec3::ZERO;
+            report.not_finite.push(i);
+            continue;
+        }
         let (found, ours) = (luminance(texel.found), luminance(texel.ours));
-        if ours > LEAK_SHARE * mean && (found.is_nan() || found < DARK_SHARE * ours) {
+        if ours > LEAK_SHARE * mean && found < DARK_SHARE * ours {
             report.dark.push(i);
         }
         if ours < DARK_SHARE * mean && found > LEAK_SHARE * mean {
             report.leaks.push(i);
         }
     }
-    report.seams = seams(world, image, uvs);
-    report
+    Ok(report)
 }
 
-/// Least and most texels a metre of a triangle's map: the singular values of its Jacobian.
-fn scales([a, b, c]: [Vec3; 3], texels: [Vec2; 3]) -> [f32; 2] {
-    let u = (b - a).normalize_or_zero();
-    let v = (b - a).cross(c - a).cross(b - a).normalize_or_zero();
-    let (x1, x2, y2) = ((b - a).dot(u), (c - a).dot(u), (c - a).dot(v));
-    if x1 <= 0.0 || y2 <= 0.0 {
-        return [0.0; 2];
-    }
-    let along_u = (texels[1] - texels[0]) / x1;
-    let along_v = (texels[2] - texels[0] - along_u * x2) / y2;
-    let (sum, product) =
-        (along_u.length_squared() + along_v.length_squared(), along_u.perp_dot(along_v).abs());
-    let root = (sum * sum - 4.0 * product * product).max(0.0).sqrt();
-    let most = (0.5 * (sum + root)).sqrt();
-    [if most > 0.0 { product / most } else { 0.0 }, most]
-}
-
-/// Texels whose middles lie in a triangle, with barycentric weights of corners 1 and 2, and whether they do so
-/// by more than rounding: a middle on an edge is of both triangles that share it, which is no overlap.
-fn covered([a, b, c]: [Vec2; 3]) -> Vec<([u32; 2], Vec2, bool)> {
-    const ROUNDING: f32 = 1e-5;
-    let (low, high) = (a.min(b).min(c).max(Vec2::ZERO), a.max(b).max(c));
-    let area = (b - a).perp_dot(c - a);
-    let mut found = Vec::new();
-    for y in low.y as u32..=high.y.max(0.0) as u32 {
-        for x in low.x as u32..=high.x.max(0.0) as u32 {
-            let p = Vec2::new(x as f32, y as f32) + Vec2::splat(0.5) - a;
-            let (u, v) = (p.perp_dot(c - a) / area, (b - a).perp_dot(p) / area);
-            let depth = u.min(v).min(1.0 - u - v);
-            if depth > -ROUNDING {
-                found.push(([x, y], Vec2::new(u, v), depth > ROUNDING));
-            }
-        }
-    }
-    found
+/// Texels a metre by area.
+fn density([least, most]: [f32; 2]) -> f32 {
+    (least * most).sqrt()
 }
 
 /// Edges that two coplanar triangles share and whose light differs, by what each side's coordinates give.
-fn seams(world: &World, image: &LinearImage, uvs: &[Option<[Vec2; 3]>]) -> Vec<[Vec3; 2]> {
+fn seams(world: &World, image: &LinearImage, uvs: &[Option<[Vec2; 3]>]) -> Vec<Seam> {
     type Key = [[i64; 3]; 2];
     let (low, high) = world.geometry.bounds();
     let weld = (high - low).length().max(f32::MIN_POSITIVE) * 1e-6;
@@ -206,7 +188,8 @@ fn seams(world: &World, image: &LinearImage, uvs: &[Option<[Vec2; 3]>]) -> Vec<[
             (a - b).abs() > SEAM * a.max(b)
         };
         if [0.25, 0.5, 0.75].into_iter().any(jump) {
-            found.push(key.map(|p| Vec3::from(p.map(|x| x as f32 * weld))));
+            let ends = key.map(|p| Vec3::from(p.map(|x| x as f32 * weld)));
+            found.push(Seam { ends, triangles: [s, t] });
         }
     }
     found

@@ -18,6 +18,7 @@ mod direct_light;
 mod footprint;
 pub mod gather;
 pub mod inspect;
+pub mod inspect_lightmap;
 pub mod inspect_trees;
 mod layout;
 pub mod lightmap;
@@ -27,6 +28,7 @@ pub mod solve;
 mod specular;
 pub mod subdivide;
 pub mod surface_map;
+pub mod texels;
 pub mod texture;
 
 use crate::{

@@ -19,6 +19,8 @@ pub struct Geometry {
     pub normals: Vec<[Vec3; 3]>,
     /// Corner texture coordinates.
     pub uvs: Vec<[Vec2; 3]>,
+    /// Corners on a lightmap: the second set of texture coordinates, or the first where there is no second.
+    pub lightmap_uvs: Vec<[Vec2; 3]>,
     /// Material of each triangle.
     pub material: Vec<u32>,
     /// Object of each triangle.
@@ -115,6 +117,7 @@ impl Geometry {
         for t in &mesh.triangles {
             let corner = t.map(|i| i as usize);
             self.uvs.push(corner.map(|i| mesh.uvs[i]));
+            self.lightmap_uvs.push(corner.map(|i| *mesh.lightmap_uvs.get(i).unwrap_or(&mesh.uvs[i])));
             self.material.push(material);
             self.object.push(object);
             self.positions.push(corner.map(|i| world_from_object.transform_point3(mesh.positions[i])));

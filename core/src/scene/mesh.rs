@@ -11,6 +11,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down as in glTF; zero where the file has none.
     pub uvs: Vec<Vec2>,
+    /// The set that lightmaps use, one entry a position; empty where the file has no second set and `uvs` serves.
+    pub lightmap_uvs: Vec<Vec2>,
     /// Counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -23,6 +25,7 @@ impl Mesh {
             positions: corners.to_vec(),
             normals: vec![normal; 4],
             uvs: vec![Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 0.0)],
+            lightmap_uvs: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
         }
     }

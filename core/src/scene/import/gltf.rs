@@ -269,9 +269,6 @@ impl Reader<'_> {
         }
         let material = primitive.material().index().unwrap_or(self.uv_sources.len() - 1);
         let source = self.uv_sources[material];
-        if primitive.get(&Semantic::TexCoords(1)).is_some() && !source.textured {
-            notes.add("second sets of texture coordinates are ignored", owner);
-        }
         let vectors = |semantic: Semantic| -> Result<Option<Vec<Vec3>>, String> {
             let Some(accessor) = primitive.get(&semantic) else { return Ok(None) };
             let numbers = accessor::numbers(&accessor, Dimensions::Vec3, self.buffers)?;
@@ -290,21 +287,17 @@ impl Reader<'_> {
         if let Some(normals) = &normals {
             same_length("normals", normals.len())?;
         }
-        let uvs = match primitive.get(&Semantic::TexCoords(source.set)) {
-            Some(accessor) => {
-                let numbers = accessor::numbers(&accessor, Dimensions::Vec2, self.buffers)?;
-                same_length("texture coordinates", numbers.len() / 2)?;
-                let place =
-                    |c: &[f64]| source.transform.transform_point2(Vec2::new(c[0] as f32, c[1] as f32));
-                Some(numbers.chunks(2).map(place).collect())
-            }
-            None => {
-                if source.textured {
-                    notes.add("a textured surface has no texture coordinates", owner);
-                }
-                None
-            }
+        let coordinates = |set: u32| -> Result<Option<Vec<Vec2>>, String> {
+            let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
+            let numbers = accessor::numbers(&accessor, Dimensions::Vec2, self.buffers)?;
+            same_length("texture coordinates", numbers.len() / 2)?;
+            Ok(Some(numbers.chunks(2).map(|c| Vec2::new(c[0] as f32, c[1] as f32)).collect()))
         };
+        let mut uvs = coordinates(source.set)?;
+        if uvs.is_none() && source.textured {
+            notes.add("a textured surface has no texture coordinates", owner);
+        }
+        uvs.iter_mut().flatten().for_each(|uv| *uv = source.transform.transform_point2(*uv));
         let indices: Vec<u32> = match primitive.indices() {
             Some(accessor) => accessor::numbers(&accessor, Dimensions::Scalar, self.buffers)?
                 .into_iter()
@@ -315,7 +308,8 @@ impl Reader<'_> {
         if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
             return Err(format!("\"{owner}\" has index {index} and {count} vertices"));
         }
-        let mesh = model::mesh(positions, normals, uvs, triangles(primitive.mode(), &indices));
+        let mesh =
+            model::mesh(positions, normals, [uvs, coordinates(1)?], triangles(primitive.mode(), &indices));
         self.model.meshes.push(Arc::new(mesh));
         Ok(Some(Part { mesh: self.model.meshes.len() - 1, material }))
     }

@@ -7,7 +7,7 @@ use super::super::{
     material::{Material, Texture},
     mesh::Mesh,
 };
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use std::{ops::Range, sync::Arc};
 
 /// The content of one model file; indices count within it.
@@ -103,13 +103,14 @@ pub fn lamp_placement(position: Vec3, direction: Vec3) -> Affine3A {
 pub fn mesh(
     positions: Vec<Vec3>,
     normals: Option<Vec<Vec3>>,
-    uvs: Option<Vec<glam::Vec2>>,
+    [uvs, lightmap_uvs]: [Option<Vec<Vec2>>; 2],
     triangles: Vec<[u32; 3]>,
 ) -> Mesh {
-    let uvs = uvs.unwrap_or_else(|| vec![glam::Vec2::ZERO; positions.len()]);
+    let uvs = uvs.unwrap_or_else(|| vec![Vec2::ZERO; positions.len()]);
+    let lightmap_uvs = lightmap_uvs.unwrap_or_default();
     if let Some(normals) = normals {
         let normals = normals.into_iter().map(|n| n.normalize_or_zero()).collect();
-        return Mesh { positions, normals, uvs, triangles };
+        return Mesh { positions, normals, uvs, lightmap_uvs, triangles };
     }
     let mut flat = Mesh::default();
     for t in triangles {
@@ -119,6 +120,7 @@ pub fn mesh(
         flat.positions.extend(corners);
         flat.normals.extend([normal; 3]);
         flat.uvs.extend(t.map(|i| uvs[i as usize]));
+        flat.lightmap_uvs.extend(t.into_iter().filter_map(|i| lightmap_uvs.get(i as usize)));
         flat.triangles.push([first, first + 1, first + 2]);
     }
     flat

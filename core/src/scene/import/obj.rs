@@ -97,7 +97,7 @@ fn add_part(path: &Path, part: tobj::Model, grey: usize, model: &mut Model) -> R
     model.meshes.push(Arc::new(model::mesh(
         positions,
         (normals.len() == count).then_some(normals),
-        (uvs.len() == count).then_some(uvs),
+        [(uvs.len() == count).then_some(uvs), None],
         triangles,
     )));
     let part = Part {

@@ -101,12 +101,14 @@ fn mend(mesh: &Mesh) -> Option<(Mesh, usize)> {
     };
     let flawed_normal = |n: &Vec3| !n.is_finite() || n.length_squared() < 0.5;
     let count = mesh.triangles.iter().filter(|t| !has_area(t)).count();
-    if count == 0 && !mesh.normals.iter().any(flawed_normal) && mesh.uvs.iter().all(|uv| uv.is_finite()) {
+    let mut uvs = mesh.uvs.iter().chain(&mesh.lightmap_uvs);
+    if count == 0 && !mesh.normals.iter().any(flawed_normal) && uvs.all(|uv| uv.is_finite()) {
         return None;
     }
     let mut mended = mesh.clone();
     mended.triangles.retain(has_area);
-    mended.uvs.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
+    let uvs = mended.uvs.iter_mut().chain(&mut mended.lightmap_uvs);
+    uvs.filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
     for t in &mended.triangles {
         for &i in t {
             if flawed_normal(&mended.normals[i as usize]) {

@@ -1,0 +1,91 @@
+//! `bake`: our irradiance as a lightmap.
+
+use super::{Common, parse_size, solve};
+use crate::lightmaps::coordinates;
+use anyhow::{Context, bail};
+use clap::Args;
+use glam::Vec2;
+use lumenscope_core::{
+    io::exr,
+    math::part::Part,
+    radiosity::{atlas, texels},
+    scene::geometry::Geometry,
+};
+use std::{fmt::Write as _, path::PathBuf};
+
+/// Largest width and height.
+const MOST_TEXELS: u32 = 8192;
+
+/// Options of `bake`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene, with texture coordinates for lightmaps: the second set of a glTF file, or the first of any.
+    scene: PathBuf,
+    /// `.exr` to write: irradiance of the fronts, lx.
+    #[arg(long)]
+    out: PathBuf,
+    /// Columns and rows.
+    #[arg(long, default_value = "1024x1024", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Texels around each chart that repeat its border.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=64))]
+    padding: u32,
+    /// `.obj` to write: the scene with coordinates packed here, one texel an element of the radiosity; `--size`
+    /// follows from them. Triangles that are lit at their corners have none.
+    #[arg(long)]
+    atlas: Option<PathBuf>,
+}
+
+/// Solves, bakes and writes.
+///
+/// # Errors
+/// One line naming the file and the cause.
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    if let Some(side) = options.size.into_iter().find(|s| *s > MOST_TEXELS) {
+        bail!("--size: {side} is more than {MOST_TEXELS} texels");
+    }
+    let loaded = solve::load(&options.scene, common)?;
+    let solution = solve::solve(&loaded, false)?;
+    let (world, radiosity) = (&solution.world, &solution.radiosity);
+    let map = match &options.atlas {
+        None => solve::watched(|progress| {
+            texels::bake(world, radiosity, &coordinates(world), options.size, options.padding, progress)
+        })
+        .with_context(|| format!("{} (--atlas packs coordinates of its own)", options.scene.display()))?,
+        Some(path) => {
+            let (map, uvs) = atlas::bake(radiosity, Part::All, options.padding);
+            solve::write(path, &obj(&world.geometry, &uvs))?;
+            let mapped = uvs.iter().flatten().count();
+            println!("{}: {mapped} of {} triangles have coordinates", path.display(), uvs.len());
+            map
+        }
+    };
+    exr::write_layers(&options.out, &[("", &map)], "irradiance, lx")?;
+    println!("{}: {} × {} texels", options.out.display(), map.width, map.height);
+    Ok(())
+}
+
+/// The triangles with their texture coordinates, v up, as Wavefront files have it.
+fn obj(geometry: &Geometry, uvs: &[Option<[Vec2; 3]>]) -> String {
+    let mut text = String::new();
+    let mut coordinates = 0;
+    for (t, uvs) in uvs.iter().enumerate() {
+        // Writing to a string cannot fail.
+        for p in geometry.positions[t] {
+            let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+        }
+        for uv in uvs.iter().flatten() {
+            let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
+        }
+        text.push('f');
+        for corner in 1..=3 {
+            let _ = write!(text, " {}", 3 * t + corner);
+            if uvs.is_some() {
+                coordinates += 1;
+                let _ = write!(text, "/{coordinates}");
+            }
+        }
+        text.push('\n');
+    }
+    text
+}

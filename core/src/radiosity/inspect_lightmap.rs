@@ -1,0 +1,112 @@
+//! A lightmap on the surfaces it was baked for.
+
+use super::{
+    inspect::LIFT_SPACINGS,
+    lightmap::{JudgedTexel, LightmapReport},
+    texels::dilate,
+};
+use crate::{
+    inspection::{ColouredMesh, InspectionScene, Legend, Line, robust_range},
+    math::colour::luminance,
+    scene::world::World,
+};
+use glam::{Vec2, Vec3};
+
+/// Vertices that all triangles together are cut into at most, about.
+const MOST_VERTICES: f32 = 3e5;
+/// Pieces along an edge of one triangle.
+const MOST_PIECES: f32 = 128.0;
+
+/// Colour of an edge that is a seam.
+const SEAM: Vec3 = Vec3::new(0.05, 0.7, 0.1);
+
+/// What is shown of the texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// The lightmap's irradiance.
+    Light,
+    /// The lightmap less our light, by luminance.
+    Difference,
+}
+
+/// The lightmap of a report on the scene, in lx: triangles cut about as finely as the texels lie, bilinear
+/// between covered texels; the edges that are seams as lines. For reports on the geometry's own coordinates.
+pub fn on_surfaces(report: &LightmapReport, world: &World, spacing_m: f32, shown: Shown) -> InspectionScene {
+    let value = |t: &JudgedTexel| match shown {
+        Shown::Light => t.found,
+        Shown::Difference => Vec3::splat(luminance(t.found - t.ours)),
+    };
+    let [width, height] = report.size;
+    let mut texels = vec![None; (width * height) as usize];
+    for t in &report.texels {
+        texels[(t.at[1] * width + t.at[0]) as usize] = Some(value(t));
+    }
+    dilate(&mut texels, report.size, 1);
+    let lift = LIFT_SPACINGS * spacing_m;
+    let fineness = (MOST_VERTICES / report.texels.len().max(1) as f32).sqrt().min(1.0);
+    let mut mesh = ColouredMesh::default();
+    for (triangle, uvs) in (0..).zip(&world.geometry.lightmap_uvs) {
+        if report.unmapped.binary_search(&triangle).is_ok() {
+            continue;
+        }
+        let corners = uvs.map(|uv| uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5));
+        let [a, b, c] = corners;
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let n = (fineness * longest).ceil().clamp(1.0, MOST_PIECES) as u32;
+        let off = world.geometry.area_normal(triangle).normalize_or_zero() * lift;
+        let places = world.geometry.positions[triangle as usize].map(|p| p + off);
+        let first = mesh.positions.len() as u32;
+        let mut whole = true;
+        for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+            let (u, v) = (i as f32 / n as f32, j as f32 / n as f32);
+            let value = known(&texels, report.size, a + (b - a) * u + (c - a) * v);
+            whole &= value.is_some();
+            mesh.positions.push(places[0] + (places[1] - places[0]) * u + (places[2] - places[0]) * v);
+            mesh.values.push(value.unwrap_or_default());
+        }
+        if !whole {
+            mesh.positions.truncate(first as usize);
+            mesh.values.truncate(first as usize);
+            continue;
+        }
+        // Row i begins after the n + 1, n, … vertices of the rows before it.
+        let at = |i: u32, j: u32| first + i * (n + 1) - i * i.saturating_sub(1) / 2 + j;
+        for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
+            mesh.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+            if i + j + 1 < n {
+                mesh.triangles.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    let [_, high] = robust_range(mesh.values.iter().map(|v| luminance(v.abs())));
+    let (quantity, low) = match shown {
+        Shown::Light => ("lightmap", 0.0),
+        Shown::Difference => ("lightmap − ours", -high),
+    };
+    InspectionScene {
+        meshes: vec![mesh],
+        lines: report.seams.iter().map(|s| Line { ends: s.ends, colour: SEAM }).collect(),
+        legend: Some(Legend { quantity: quantity.into(), unit: "lx".into(), range: [low, high], names: &[] }),
+        notes: vec![format!("{} texels, {} seams", report.texels.len(), report.seams.len())],
+        ..InspectionScene::default()
+    }
+}
+
+/// Bilinear between the texels that are known; `None` where none of the four is.
+fn known(texels: &[Option<Vec3>], [width, height]: [u32; 2], at: Vec2) -> Option<Vec3> {
+    let base = at.floor();
+    let f = at - base;
+    let mut sum = Vec3::ZERO;
+    let mut weights = 0.0;
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let [x, y] = [base.x as i64 + dx, base.y as i64 + dy];
+        if x < 0 || y < 0 || x >= i64::from(width) || y >= i64::from(height) {
+            continue;
+        }
+        let Some(value) = texels[(y * i64::from(width) + x) as usize] else { continue };
+        let weight = (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
+        sum += value * weight;
+        weights += weight;
+    }
+    (weights > 0.0).then(|| sum / weights)
+}
