@@ -2,12 +2,12 @@
 //!
 //! The published box is turned by half a turn about the vertical so that it is right-handed and the
 //! camera looks along −z; its slightly skew measured floor is a rectangle here. The blocks stand 1 mm
-//! above the floor and may be dragged.
+//! above the floor and may be dragged. Its texture coordinates are a lightmap's: every face has a place of its own.
 
 use crate::glb::{Material, Model, Parts};
 use crate::shapes::{
     Shape,
-    boxes::{hexahedron, plain},
+    boxes::{hexahedron, lay_out, plain},
     v,
 };
 use glam::DVec3;
@@ -65,29 +65,36 @@ fn model() -> Model {
         |sx: f64, top: bool, back: bool| v(sx * x, if top { y } else { 0.0 }, if back { z } else { 0.0 });
     let wall = |c: [(f64, bool, bool); 4]| plain(c.map(|(s, t, b)| corner(s, t, b)));
     let (l, r) = (-1.0, 1.0);
-    let floor = wall([(l, false, false), (r, false, false), (r, false, true), (l, false, true)]);
-    let ceiling = wall([(l, true, true), (r, true, true), (r, true, false), (l, true, false)]);
-    let back = wall([(l, false, true), (r, false, true), (r, true, true), (l, true, true)]);
-    let left = wall([(l, false, false), (l, false, true), (l, true, true), (l, true, false)]);
-    let right = wall([(r, false, true), (r, false, false), (r, true, false), (r, true, true)]);
+    let mut floor = wall([(l, false, false), (r, false, false), (r, false, true), (l, false, true)]);
+    let mut ceiling = wall([(l, true, true), (r, true, true), (r, true, false), (l, true, false)]);
+    let mut back = wall([(l, false, true), (r, false, true), (r, true, true), (l, true, true)]);
+    let mut left = wall([(l, false, false), (l, false, true), (l, true, true), (l, true, false)]);
+    let mut right = wall([(r, false, true), (r, false, false), (r, true, false), (r, true, true)]);
+    // 1 mm below the ceiling.
+    let lamp_y = HEIGHT * 1e3 - 1.0;
+    let corners = [(343.0, 332.0), (213.0, 332.0), (213.0, 227.0), (343.0, 227.0)];
+    let mut panel = plain(corners.map(|(x, z)| published(x, lamp_y, z)));
+    let short = [(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)];
+    let tall = [(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)];
+    let ((mut short, short_at), (mut tall, tall_at)) = (block(short, 165.0), block(tall, 330.0));
+    let all =
+        [&mut floor, &mut ceiling, &mut back, &mut left, &mut right, &mut tall, &mut short, &mut panel];
+    lay_out(&mut { all }, 1.8, 0.02);
     model.stand("Floor", Parts::of(white, floor));
     model.stand("Ceiling", Parts::of(white, ceiling));
     model.stand("Back wall", Parts::of(white, back));
     model.stand("Left wall", Parts::of(red, left));
     model.stand("Right wall", Parts::of(green, right));
-    // 1 mm below the ceiling.
-    let lamp_y = HEIGHT * 1e3 - 1.0;
-    let corners = [(343.0, 332.0), (213.0, 332.0), (213.0, 227.0), (343.0, 227.0)];
-    model.stand("Lamp", Parts::of(lamp, plain(corners.map(|(x, z)| published(x, lamp_y, z)))));
-    let short = [(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)];
-    let tall = [(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)];
-    block(&mut model, "Short block", white, short, 165.0);
-    block(&mut model, "Tall block", white, tall, 330.0);
+    model.stand("Lamp", Parts::of(lamp, panel));
+    for (name, shape, at) in [("Short block", short, short_at), ("Tall block", tall, tall_at)] {
+        let mesh = model.mesh(Parts::of(white, shape));
+        model.place(name, mesh, [at.x, 0.001, at.z], 0.0);
+    }
     model
 }
 
-/// A block from the published corners of its top, its origin in the middle of its foot.
-fn block(model: &mut Model, name: &str, material: usize, top: [(f64, f64); 4], height: f64) {
+/// A block from the published corners of its top about the middle of its foot, and where that is.
+fn block(top: [(f64, f64); 4], height: f64) -> (Shape, DVec3) {
     let middle = top.iter().map(|&(x, z)| published(x, 0.0, z)).sum::<DVec3>() / 4.0;
     let foot = top.map(|(x, z)| published(x, 0.0, z) - middle);
     let lift = v(0.0, height * 1e-3, 0.0);
@@ -108,7 +115,5 @@ fn block(model: &mut Model, name: &str, material: usize, top: [(f64, f64); 4], h
         volume < 0.0
     };
     let shape = hexahedron(corners);
-    let shape = if turn(&shape) { shape.inverted() } else { shape };
-    let mesh = model.mesh(Parts::of(material, shape));
-    model.place(name, mesh, [middle.x, 0.001, middle.z], 0.0);
+    (if turn(&shape) { shape.inverted() } else { shape }, middle)
 }

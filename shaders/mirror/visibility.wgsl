@@ -8,7 +8,27 @@ struct Mirrored {
     @builtin(position) position: vec4f,
     @location(0) height: f32,
     @location(1) @interpolate(flat, first) triangle: u32,
-    @location(2) @interpolate(flat, first) view: u32,
+    // Whether the triangle is part of the view's own reflector.
+    @location(2) @interpolate(flat, first) own: u32,
+}
+
+struct Mask {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat, first) view: u32,
+}
+
+// A triangle over the whole picture.
+@vertex
+fn cover(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> Mask {
+    return Mask(vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0), number);
+}
+
+// Depth that lets a view's triangles through where its reflector shows, and nothing anywhere else.
+@fragment
+fn mask(seen: Mask) -> @builtin(frag_depth) f32 {
+    let id = vec2u(seen.position.xy);
+    let wanted = u32(layers[state_of(frame.size, id.y * frame.size.x + id.x) + 7u]);
+    return select(1.0, 0.0, wanted == seen.view + 1u);
 }
 
 @vertex
@@ -20,16 +40,13 @@ fn project(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u
     var clip = clip_position(frame, seen);
     let shift = vec2f(1.0 - 2.0 * frame.subpixel.x, 2.0 * frame.subpixel.y - 1.0) / vec2f(frame.size);
     clip = vec4f(clip.xy + shift * clip.w, clip.zw);
-    return Mirrored(clip, dot(view.clip_normal, position) - view.clip_offset, index / 3u, number);
+    let own = triangles[index / 3u].reflector == view.reflector;
+    return Mirrored(clip, dot(view.clip_normal, position) - view.clip_offset, index / 3u, u32(own));
 }
 
 @fragment
 fn identify(seen: Mirrored) -> @location(0) u32 {
-    let id = vec2u(seen.position.xy);
-    let state = state_of(frame.size, id.y * frame.size.x + id.x);
-    let wanted = u32(layers[state + 7u]);
-    let own = triangles[seen.triangle].reflector == views.list[seen.view].reflector;
-    if wanted != seen.view + 1u || seen.height <= views.near || own {
+    if seen.height <= views.near || seen.own != 0u {
         discard;
     }
     return seen.triangle + 1u;

@@ -3,8 +3,8 @@
 const NONE: u32 = 0xFFFFFFFFu;
 const PI: f32 = 3.14159265358979;
 
-// Whether something has been moved or a material has two pictures. Pipelines for scenes without leave out what
-// only those need, since processors that stand in for a graphics card take every branch.
+// Whether something has been moved, a material has two pictures, or a curved reflector a map. Pipelines for
+// scenes without leave out what only those need, since processors that stand in for a graphics card take every branch.
 override general: bool = true;
 
 struct Corner {

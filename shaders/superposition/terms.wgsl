@@ -36,7 +36,7 @@ fn wide_reflection(surface: Surface, stored: StoredLight, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let number = triangles[surface.triangle].environment;
-    if number != NONE {
+    if general && number != NONE {
         let cosine = dot(surface.normal, wo);
         let mirrored = 2.0 * cosine * surface.normal - wo;
         return specular_reflectance(specular, cosine) * environment_radiance(number, surface.position, mirrored);

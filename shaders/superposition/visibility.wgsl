@@ -18,9 +18,6 @@ fn project(@builtin(vertex_index) index: u32) -> Seen {
 }
 
 @fragment
-fn identify(seen: Seen, @builtin(front_facing) front: bool) -> @location(0) u32 {
-    if !front && materials[triangles[seen.triangle].material].double_sided == 0u {
-        discard;
-    }
+fn identify(seen: Seen) -> @location(0) u32 {
     return seen.triangle + 1u;
 }

@@ -20,8 +20,8 @@ use std::{ops::Range, path::Path};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-fn holds(ranges: &[Range<u32>], triangle: u32) -> bool {
-    ranges.iter().any(|r| r.contains(&triangle))
+fn holds(ranges: &[Vec<Range<u32>>; 2], triangle: u32) -> bool {
+    ranges.iter().flatten().any(|r| r.contains(&triangle))
 }
 
 #[test]
@@ -42,8 +42,12 @@ fn what_the_pixels_see_directly_and_in_mirrors_is_always_drawn() {
         let views = mirrored_views(geometry, &reflectors, lens, 1);
         let of_views: Vec<_> = views.iter().map(|v| blocks.seen(&Portal::of_view(v, margin))).collect();
         for ranges in std::iter::once(&seen).chain(&of_views) {
-            assert!(ranges.windows(2).all(|w| w[0].end < w[1].start), "in order and apart");
-            drawn += ranges.iter().map(|r| r.len()).sum::<usize>();
+            for (kind, ranges) in ranges.iter().enumerate() {
+                assert!(ranges.windows(2).all(|w| w[0].end <= w[1].start), "in order and apart");
+                let is_of_kind = |t| usize::from(geometry.material_of(t).double_sided) == kind;
+                assert!(ranges.iter().cloned().flatten().all(is_of_kind), "sides");
+            }
+            drawn += ranges.iter().flatten().map(|r| r.len()).sum::<usize>();
             of += geometry.len();
         }
         for i in 0..SIZE.x * SIZE.y {

@@ -214,10 +214,13 @@ fn walk_once(
         scene.plan.glossy = Some(GlossyMethod::Sharp);
         solution.scene = Arc::new(scene);
     }
-    let mut renderer = GpuRenderer::new(device, wgpu::TextureFormat::Rgba8Unorm)?;
-    renderer.upload(device, queue, &solution)?;
-    renderer.set_clock(StageClock::new(device, queue));
-    let mut draw = |share: f32| -> anyhow::Result<(f64, usize, Option<[f64; 7]>)> {
+    let renderer = || -> anyhow::Result<GpuRenderer> {
+        let mut renderer = GpuRenderer::new(device, wgpu::TextureFormat::Rgba8Unorm)?;
+        renderer.upload(device, queue, &solution)?;
+        renderer.set_clock(StageClock::new(device, queue));
+        Ok(renderer)
+    };
+    let draw = |renderer: &mut GpuRenderer, share: f32| -> anyhow::Result<(f64, usize, Option<[f64; 7]>)> {
         let settings = FrameSettings {
             camera: walk.camera(share, &solution.scene.camera),
             size: options.size,
@@ -233,13 +236,16 @@ fn walk_once(
         let stages = renderer.clock().map(|c| c.read(device, queue)).transpose()?;
         Ok((milliseconds, renderer.mirrored_views(), stages))
     };
-    // Pipelines are compiled when first used.
+    // Pipelines are compiled when first used, and llvmpipe runs what it has just compiled several times slower
+    // than what it has from its cache: so one renderer that is thrown away, then the one that is timed.
+    draw(&mut renderer()?, 0.0)?;
+    let mut renderer = renderer()?;
     for share in [0.0, 0.4] {
-        draw(share)?;
+        draw(&mut renderer, share)?;
     }
     let (mut milliseconds, mut views, mut sum) = (Vec::new(), 0, None);
     for frame in 0..options.frames {
-        let (spent, seen, stages) = draw(frame as f32 / (options.frames - 1) as f32)?;
+        let (spent, seen, stages) = draw(&mut renderer, frame as f32 / (options.frames - 1) as f32)?;
         milliseconds.push(spent);
         views += seen;
         if let Some(stages) = stages {

@@ -6,6 +6,7 @@ use crate::{
     app::Config,
     command::{Command, Window as WindowCommand},
     examples::Example,
+    lightmaps::{LIGHTMAPS, LightmapFile, coordinates},
     placement::{PLACEMENT, Placement, Site},
     session::{Compare, Document, View, VolumeView},
 };
@@ -13,10 +14,11 @@ use anyhow::{Context, anyhow, bail};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    io::exr,
     irradiance_volume::inspect::ColourBy,
-    math::{false_colour::FalseColour, part::Part},
+    math::{false_colour::FalseColour, part::Part, progress::Progress},
     measure::grid_texture::GridReference,
-    radiosity::texture::display::Filter,
+    radiosity::{texels, texture::display::Filter},
     scene::Target,
 };
 use std::{
@@ -133,6 +135,7 @@ pub fn write(folder: &Path) -> anyhow::Result<()> {
     tour.photograph("reference", Duration::ZERO)?;
     tour.view(|view| view.compare = Compare::Difference);
     tour.photograph("difference", GRAIN)?;
+    tour.lightmap()?;
     tour.open(Example::Teapot)?;
     tour.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
     tour.photograph("specular", GRAIN)?;
@@ -245,6 +248,28 @@ impl Tour {
         self.click("Spheres");
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
+    }
+
+    /// A lightmap baked before the tall block was moved.
+    fn lightmap(&mut self) -> anyhow::Result<()> {
+        const TEXELS: u32 = 256;
+        self.view(|view| view.compare = Compare::default());
+        let solution = self.harness.state().session().solution.clone().context("there is no light")?;
+        let (world, progress) = (&solution.world, Progress::silent());
+        let uvs = coordinates(world);
+        let map = texels::bake(world, &solution.radiosity, &uvs, [TEXELS; 2], 2, &progress)?;
+        let path = self.folder.join("cornell lightmap.exr");
+        exr::write_layers(&path, &[("", &map)], "irradiance, lx")?;
+        self.drag("Tall block", Vec3::new(0.07, 0.0, 0.0))?;
+        self.run(Command::Lightmap(LightmapFile { path: path.clone(), white: 1.0 }));
+        self.click("Lightmap");
+        self.view(|view| view.views = vec![LIGHTMAPS[1].to_owned()]);
+        self.wait("the lightmap", |app| app.session().lightmap.is_some() && !app.is_busy())?;
+        let photographed = self.photograph("lightmap", GRAIN);
+        std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        self.click("Spheres");
+        self.view(|view| view.views.clear());
+        photographed
     }
 
     /// Clicks the viewport at a share of its width and height.

@@ -3,7 +3,7 @@
 use super::{
     device::GpuError,
     frame::FalseColourTable,
-    renderer::render_pipeline,
+    renderer::{Raster, render_pipeline},
     shaders,
     storage::{Binding, Storage, bind, layout, uniform},
     targets::Targets,
@@ -87,7 +87,8 @@ impl Inspection {
             &[(0, Uniform), (1, Uniform), (2, Uniform), (3, Table), (4, Table), (5, Table), (6, Table)],
         );
         let module = shaders::INSPECTION.module(device);
-        let pipeline = |entries| render_pipeline(device, &module, entries, &[&layout], format, true);
+        let pipeline =
+            |entries| render_pipeline(device, &module, entries, &[&layout], format, Raster::NEAREST);
         let false_colour = uniform::<FalseColourTable>(device, "inspection colour");
         let settings = uniform::<InspectionSettings>(device, "inspection settings");
         let storage = ["spheres", "bins", "lines", "mesh"].map(|label| Storage::new(device, label));

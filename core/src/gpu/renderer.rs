@@ -45,7 +45,8 @@ pub struct GpuRenderer {
     visibility_group: wgpu::BindGroup,
     shade_group: wgpu::BindGroup,
     composite_group: wgpu::BindGroup,
-    visibility: wgpu::RenderPipeline,
+    /// Of single-sided triangles, and of double-sided ones.
+    visibility: [wgpu::RenderPipeline; 2],
     shade_per_pixel: wgpu::ComputePipeline,
     /// For scenes as [`SceneTables::is_general`] says: not, and so.
     shade_elements: [wgpu::ComputePipeline; 2],
@@ -96,20 +97,26 @@ impl GpuRenderer {
             scene.triangles(),
         );
 
-        let visibility = render_pipeline(
-            device,
-            &shaders::VISIBILITY.module(device),
-            ["project", "identify"],
-            &[&scene.raster_layout, &visibility_layout],
-            TRIANGLE_FORMAT,
-            true,
-        );
+        let visibility_module = shaders::VISIBILITY.module(device);
+        let visibility = [Some(wgpu::Face::Back), None].map(|cull| {
+            let groups = [&scene.raster_layout, &visibility_layout];
+            let raster = Raster { cull, ..Raster::NEAREST };
+            render_pipeline(
+                device,
+                &visibility_module,
+                ["project", "identify"],
+                &groups,
+                TRIANGLE_FORMAT,
+                raster,
+            )
+        });
         let shade_module = shaders::SHADE.module(device);
         let shade = |entry| compute_pipeline(device, &shade_module, entry, &[&scene.layout, &shade_layout]);
         let module = shaders::COMPOSITE.module(device);
         let composite = |entry| {
             let entries = ["full_screen", entry];
-            render_pipeline(device, &module, entries, &[&composite_layout], output_format, false)
+            let raster = Raster { depth: None, ..Raster::NEAREST };
+            render_pipeline(device, &module, entries, &[&composite_layout], output_format, raster)
         };
         let (composite_plain, composite) = (composite("composite_plain"), composite("composite"));
         Ok(Self {
@@ -364,10 +371,9 @@ impl GpuRenderer {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&self.visibility);
         pass.set_bind_group(0, &self.scene.raster_group, &[]);
         pass.set_bind_group(1, &self.visibility_group, &[]);
-        self.scene.draw(&mut pass, &portal, 0);
+        self.scene.draw(&mut pass, self.visibility.each_ref(), &portal, 0);
     }
 
     fn record_shading(&self, encoder: &mut wgpu::CommandEncoder, direct: DirectQuality) {
@@ -468,15 +474,31 @@ pub(crate) fn compute_variant(
     })
 }
 
-/// A pipeline that draws triangles without vertex buffers and without culling.
+/// How triangles are drawn.
+pub(crate) struct Raster {
+    /// Test against the depth there is, which is written.
+    pub depth: Option<wgpu::CompareFunction>,
+    /// Faces left out.
+    pub cull: Option<wgpu::Face>,
+    /// Whether colours are written.
+    pub colour: bool,
+}
+
+impl Raster {
+    /// The nearest of all faces; depth is largest at the eye.
+    pub const NEAREST: Self = Self { depth: Some(wgpu::CompareFunction::Greater), cull: None, colour: true };
+}
+
+/// A pipeline that draws triangles without vertex buffers.
 pub(crate) fn render_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     [vertex, fragment]: [&str; 2],
     groups: &[&wgpu::BindGroupLayout],
     format: wgpu::TextureFormat,
-    depth: bool,
+    raster: Raster,
 ) -> wgpu::RenderPipeline {
+    let writes = if raster.colour { wgpu::ColorWrites::ALL } else { wgpu::ColorWrites::empty() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(&pipeline_layout(device, groups)),
@@ -486,11 +508,11 @@ pub(crate) fn render_pipeline(
             compilation_options: Default::default(),
             buffers: &[],
         },
-        primitive: Default::default(),
-        depth_stencil: depth.then(|| wgpu::DepthStencilState {
+        primitive: wgpu::PrimitiveState { cull_mode: raster.cull, ..Default::default() },
+        depth_stencil: raster.depth.map(|compare| wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
+            depth_compare: Some(compare),
             stencil: Default::default(),
             bias: Default::default(),
         }),
@@ -499,7 +521,7 @@ pub(crate) fn render_pipeline(
             module,
             entry_point: Some(fragment),
             compilation_options: Default::default(),
-            targets: &[Some(format.into())],
+            targets: &[Some(wgpu::ColorTargetState { format, blend: None, write_mask: writes })],
         }),
         multiview_mask: None,
         cache: None,

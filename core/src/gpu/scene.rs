@@ -120,17 +120,28 @@ impl SceneTables {
         }
     }
 
-    /// Draws the triangles that may show in a view.
-    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass, portal: &Portal, instance: u32) {
-        let count = self.last.as_ref().map_or(0, |s| s.world.geometry.len() as u32);
-        let seen = if self.culling { self.blocks.seen(portal) } else { std::iter::once(0..count).collect() };
+    /// Draws the triangles that may show in a view, the single-sided and the double-sided ones by pipelines of
+    /// their own.
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        pipelines: [&wgpu::RenderPipeline; 2],
+        portal: &Portal,
+        instance: u32,
+    ) {
+        let open = Portal::OPEN;
+        let seen = self.blocks.seen(if self.culling { portal } else { &open });
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for triangles in seen.into_iter().filter(|r| !r.is_empty()) {
-            pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, instance..instance + 1);
+        for (pipeline, ranges) in pipelines.into_iter().zip(seen).filter(|(_, r)| !r.is_empty()) {
+            pass.set_pipeline(pipeline);
+            for triangles in ranges {
+                pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, instance..instance + 1);
+            }
         }
     }
 
-    /// Whether anything stands elsewhere than where its light was solved, or a material has two pictures.
+    /// Whether anything stands elsewhere than where its light was solved, a material has two pictures, or a
+    /// curved reflector a map.
     pub(crate) fn is_general(&self) -> bool {
         self.general
     }
@@ -223,7 +234,9 @@ impl SceneTables {
         write.table(Table::Objects, &tables::objects(geometry, moved))?;
         write.table(Table::MovedLight, &tables::moved_light(moved))?;
         let two_pictures = |m: &Material| m.reflectance_texture.is_some() && m.emission_texture.is_some();
-        self.general = !moved.first.is_empty() || geometry.materials.iter().any(two_pictures);
+        self.general = !moved.first.is_empty()
+            || !solution.environments.list.is_empty()
+            || geometry.materials.iter().any(two_pictures);
         if known.is_none_or(|last| last.radiosity.sides().as_ptr() != radiosity.sides().as_ptr()) {
             // Guests have no elements; before the first solution nothing has.
             let mut sides = radiosity.sides().to_vec();

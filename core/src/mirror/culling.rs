@@ -15,10 +15,11 @@ const BLOCK: u32 = 128;
 /// Triangles left out between two blocks, up to which both are drawn as one: a draw has its price too.
 const GAP: u32 = 64;
 
-/// Consecutive triangles of one object, and their box, m.
+/// Consecutive triangles of one object, all single-sided or all double-sided, and their box, m.
 #[derive(Clone, Debug, PartialEq)]
 struct Block {
     triangles: Range<u32>,
+    double_sided: bool,
     low: Vec3,
     high: Vec3,
 }
@@ -37,9 +38,14 @@ impl Blocks {
         let mut blocks = Self::default();
         for triangles in &geometry.object_triangles {
             let first = blocks.list.len();
-            let starts = triangles.clone().step_by(BLOCK as usize);
-            let ranges = starts.map(|start| start..(start + BLOCK).min(triangles.end));
-            blocks.list.extend(ranges.map(|range| block(geometry, range)));
+            let mut start = triangles.start;
+            while start < triangles.end {
+                let sides = |t: u32| geometry.material_of(t).double_sided;
+                let most = (start + BLOCK).min(triangles.end);
+                let end = (start + 1..most).find(|t| sides(*t) != sides(start)).unwrap_or(most);
+                blocks.list.push(block(geometry, start..end));
+                start = end;
+            }
             blocks.of_object.push(first..blocks.list.len());
         }
         blocks
@@ -52,16 +58,27 @@ impl Blocks {
         }
     }
 
-    /// Ranges of triangles that may show in a view; neighbours are joined.
-    pub fn seen(&self, portal: &Portal) -> Vec<Range<u32>> {
-        let mut ranges: Vec<Range<u32>> = Vec::new();
-        for block in self.list.iter().filter(|b| portal.touches(b.low, b.high)) {
-            match ranges.last_mut() {
-                Some(last) if block.triangles.start - last.end <= GAP => last.end = block.triangles.end,
-                _ => ranges.push(block.triangles.clone()),
+    /// Ranges of triangles that may show in a view, the single-sided ones and the double-sided ones; neighbours
+    /// of a kind are joined.
+    pub fn seen(&self, portal: &Portal) -> [Vec<Range<u32>>; 2] {
+        let mut seen = [Vec::<Range<u32>>::new(), Vec::new()];
+        // Whether triangles of the other kind lie between a kind's last range and here.
+        let mut parted = [false; 2];
+        for block in &self.list {
+            let kind = usize::from(block.double_sided);
+            parted[1 - kind] = true;
+            if !portal.touches(block.low, block.high) {
+                continue;
             }
+            match seen[kind].last_mut() {
+                Some(last) if !parted[kind] && block.triangles.start - last.end <= GAP => {
+                    last.end = block.triangles.end;
+                }
+                _ => seen[kind].push(block.triangles.clone()),
+            }
+            parted[kind] = false;
         }
-        ranges
+        seen
     }
 }
 
@@ -69,7 +86,8 @@ fn block(geometry: &Geometry, triangles: Range<u32>) -> Block {
     let corners = geometry.positions[triangles.start as usize..triangles.end as usize].iter().flatten();
     let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     let (low, high) = corners.fold(empty, |(low, high), &p| (low.min(p), high.max(p)));
-    Block { triangles, low, high }
+    let double_sided = geometry.material_of(triangles.start).double_sided;
+    Block { triangles, double_sided, low, high }
 }
 
 /// The planes that bound what a view shows.
@@ -80,6 +98,9 @@ pub struct Portal {
 }
 
 impl Portal {
+    /// One that shuts nothing out.
+    pub const OPEN: Self = Self { planes: Vec::new() };
+
     /// The pyramid from an eye through a rectangle of its picture, grown by `margin` on all sides.
     pub fn new(eye: &Eye, rectangle: Rectangle, margin: Vec2) -> Self {
         let (low, high) = (rectangle.low - margin, rectangle.high + margin);

@@ -14,7 +14,7 @@ use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    renderer::{compute_pipeline, compute_variant, render_pipeline},
+    renderer::{Raster, compute_pipeline, compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},
@@ -89,13 +89,14 @@ pub struct MirrorPasses {
     views: wgpu::Buffer,
     raster_layout: wgpu::BindGroupLayout,
     follow_layout: wgpu::BindGroupLayout,
+    mask: wgpu::RenderPipeline,
     visibility: wgpu::RenderPipeline,
     begin: wgpu::ComputePipeline,
     follow_per_pixel: wgpu::ComputePipeline,
+    reflect: wgpu::ComputePipeline,
     /// For scenes as [`SceneTables::is_general`] says: not, and so.
     follow_elements: [wgpu::ComputePipeline; 2],
-    reflect: wgpu::ComputePipeline,
-    reflect_wide: wgpu::ComputePipeline,
+    reflect_wide: [wgpu::ComputePipeline; 2],
     sized: Sized,
     /// Passes of what is glossy, made when something first is.
     glossy: Option<GlossyPasses>,
@@ -137,29 +138,31 @@ impl MirrorPasses {
             Stages::COMPUTE,
             &[(0, Uniform), (1, Texture), (2, Written), (3, Uniform), (4, Written), (5, Uniform)],
         );
-        let visibility = render_pipeline(
-            device,
-            &shaders::MIRROR_VISIBILITY.module(device),
-            ["project", "identify"],
-            &[&scene.raster_layout, &raster_layout],
-            TRIANGLE_FORMAT,
-            true,
-        );
+        let drawing = shaders::MIRROR_VISIBILITY.module(device);
+        let draw = |entries, raster| {
+            let groups = [&scene.raster_layout, &raster_layout];
+            render_pipeline(device, &drawing, entries, &groups, TRIANGLE_FORMAT, raster)
+        };
+        let mask = Raster { depth: Some(wgpu::CompareFunction::Always), colour: false, ..Raster::NEAREST };
+        let mask = draw(["cover", "mask"], mask);
+        let visibility = draw(["project", "identify"], Raster::NEAREST);
         let module = shaders::MIRROR_FOLLOW.module(device);
         let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.layout, &follow_layout]);
         let begin = compute("begin");
-        let (reflect, reflect_wide) = (compute("reflect_into_layers"), compute("reflect_as_if_dull"));
+        let reflect = compute("reflect_into_layers");
         let follow_per_pixel = compute("follow_per_pixel");
-        let follow_elements = [false, true].map(|general| {
-            let constants = [("general", f64::from(u8::from(general)))];
-            let groups = [&scene.layout, &follow_layout];
-            compute_variant(device, &module, "follow_elements", &groups, &constants)
+        let [follow_elements, reflect_wide] = ["follow_elements", "reflect_as_if_dull"].map(|entry| {
+            [false, true].map(|general| {
+                let constants = [("general", f64::from(u8::from(general)))];
+                compute_variant(device, &module, entry, &[&scene.layout, &follow_layout], &constants)
+            })
         });
         let sized = Sized::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
         Self {
             views,
             raster_layout,
             follow_layout,
+            mask,
             visibility,
             begin,
             follow_per_pixel,
@@ -242,7 +245,8 @@ impl MirrorPasses {
             mark(clock, encoder, Stage::Convolution);
         }
         self.work_off(encoder, &self.reflect, groups, List::Depth(1));
-        self.work_off(encoder, &self.reflect_wide, groups, List::WithoutView);
+        let reflect_wide = &self.reflect_wide[usize::from(scene.is_general())];
+        self.work_off(encoder, reflect_wide, groups, List::WithoutView);
         mark(clock, encoder, Stage::Modulation);
     }
 
@@ -277,13 +281,15 @@ impl MirrorPasses {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&self.visibility);
         pass.set_bind_group(0, &scene.raster_group, &[]);
         pass.set_bind_group(1, &self.sized.raster_group, &[]);
         for (i, view) in views.iter().enumerate().filter(|(_, v)| v.depth == depth) {
             let [x, y, width, height] = pixels(view.rectangle, size);
             pass.set_scissor_rect(x, y, width, height);
-            scene.draw(&mut pass, &Portal::of_view(view, Portal::margin(size)), i as u32);
+            pass.set_pipeline(&self.mask);
+            pass.draw(0..3, i as u32..i as u32 + 1);
+            let portal = Portal::of_view(view, Portal::margin(size));
+            scene.draw(&mut pass, [&self.visibility; 2], &portal, i as u32);
         }
     }
 

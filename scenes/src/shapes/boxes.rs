@@ -23,6 +23,27 @@ pub fn plain(corners: [DVec3; 4]) -> Shape {
     quad(corners, DVec2::ZERO)
 }
 
+/// Lays shapes made of quadrilaterals out on a lightmap: each face keeps its proportions, all one scale, in rows
+/// of `width` metres with `gap` metres between them.
+pub fn lay_out(shapes: &mut [&mut Shape], width: f64, gap: f64) {
+    let (mut at, mut row) = (DVec2::splat(gap), 0.0f64);
+    for shape in shapes.iter_mut() {
+        for (corners, uvs) in shape.positions.chunks(4).zip(shape.uvs.chunks_mut(4)) {
+            let size = DVec2::new(corners[0].distance(corners[1]), corners[0].distance(corners[3]));
+            if at.x + size.x + gap > width {
+                (at, row) = (DVec2::new(gap, at.y + row + gap), 0.0);
+            }
+            for (uv, share) in uvs.iter_mut().zip([DVec2::Y, DVec2::ONE, DVec2::X, DVec2::ZERO]) {
+                *uv = at + share * size;
+            }
+            at.x += size.x + gap;
+            row = row.max(size.y);
+        }
+    }
+    let scale = 1.0 / width.max(at.y + row + gap);
+    shapes.iter_mut().flat_map(|s| &mut s.uvs).for_each(|uv| *uv *= scale);
+}
+
 /// The six faces of a cuboid, flat shaded.
 pub fn cuboid(low: DVec3, high: DVec3) -> Shape {
     hexahedron([
