@@ -180,12 +180,6 @@ impl JudgedLightmap {
         }
     }
 
-    /// Mean of our light over the covered texels, lx.
-    pub fn mean_lx(&self) -> f32 {
-        let sum: f64 = self.report.texels.iter().map(|t| f64::from(luminance(t.ours))).sum();
-        (sum / self.report.texels.len().max(1) as f64) as f32
-    }
-
     /// Our light on its texels, lx; black on those that nothing covers.
     pub fn ours(&self) -> LinearImage {
         let mut ours = LinearImage::new(self.map.width, self.map.height);
@@ -197,8 +191,7 @@ impl JudgedLightmap {
 
     /// Colours of the difference, red where the lightmap has more.
     pub fn difference_colours(&self) -> FalseColour {
-        let mean = self.mean_lx().max(f32::MIN_POSITIVE);
-        FalseColour::over([-mean, mean], Palette::Diverging)
+        FalseColour::over(self.report.difference_range(), Palette::Diverging)
     }
 
     /// The lightmap less our light by luminance, lx; `None` where nothing covers a texel.
@@ -212,7 +205,7 @@ impl JudgedLightmap {
 
     /// The faults in their colours over the lightmap in grey.
     pub fn fault_pixels(&self) -> Vec<[u8; 3]> {
-        let white = 2.0 * self.mean_lx().max(f32::MIN_POSITIVE);
+        let white = 2.0 * self.report.mean_lx().max(f32::MIN_POSITIVE);
         let grey = |p: &Vec3| srgb8(Vec3::splat(luminance(*p) / white));
         let shown = self.map.pixels.iter().zip(&self.faults);
         shown.map(|(pixel, fault)| fault.map_or_else(|| grey(pixel), Fault::colour)).collect()

@@ -77,8 +77,7 @@ fn model() -> Model {
     let short = [(130.0, 65.0), (82.0, 225.0), (240.0, 272.0), (290.0, 114.0)];
     let tall = [(423.0, 247.0), (265.0, 296.0), (314.0, 456.0), (472.0, 406.0)];
     let ((mut short, short_at), (mut tall, tall_at)) = (block(short, 165.0), block(tall, 330.0));
-    let all =
-        [&mut floor, &mut ceiling, &mut back, &mut left, &mut right, &mut tall, &mut short, &mut panel];
+    let all = [&mut floor, &mut ceiling, &mut back, &mut left, &mut right, &mut tall, &mut short, &mut panel];
     lay_out(&mut { all }, 1.8, 0.02);
     model.stand("Floor", Parts::of(white, floor));
     model.stand("Ceiling", Parts::of(white, ceiling));

@@ -9,6 +9,7 @@ use super::{
     small_png, solve, wall,
 };
 use crate::{wall::WallSettings, widgets::resolutions::ROWS};
+use anyhow::Context;
 use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
@@ -46,7 +47,7 @@ pub struct Options {
     /// Folder with one folder a room.
     #[arg(long, default_value = "screenshots")]
     out: PathBuf,
-    /// One example alone, as in `example:NAME`, without the window's tour but for the house.
+    /// One example alone, as in `example:NAME`.
     #[arg(long)]
     only: Option<String>,
 }
@@ -59,9 +60,16 @@ const SIZE: [u32; 2] = [640, 360];
 /// # Errors
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
-    let wanted =
-        |e: &Example| options.only.as_ref().is_none_or(|name| e.key().strip_prefix("example:") == Some(name));
-    for example in Example::ALL.into_iter().filter(wanted) {
+    let only = match &options.only {
+        None => None,
+        Some(name) => Some(
+            Example::ALL
+                .into_iter()
+                .find(|e| e.key().strip_prefix("example:") == Some(name))
+                .with_context(|| format!("--only {name}: there is no such example"))?,
+        ),
+    };
+    for example in Example::ALL.into_iter().filter(|e| only.is_none_or(|only| only == *e)) {
         let path = examples::resolve(Path::new(example.key()))?;
         let folder = options.out.join(path.file_stem().unwrap_or_default());
         solve::output_folder(&folder)?;
@@ -75,12 +83,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             put_in(&path, &solution, &folder, common.seed)?;
         }
     }
-    let program = options.out.join("program");
-    match &options.only {
-        None => super::tour::write(&program),
-        Some(name) if name == "house" => super::tour::write_house(&program),
-        Some(_) => Ok(()),
-    }
+    super::tour::write(&options.out.join("program"), only)
 }
 
 /// What is put into the office after the solve: the wall, and two copies of a chair.

@@ -34,121 +34,26 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// Longest wait for the picture to lose its grain; it is photographed then as it is.
 const GRAIN: Duration = Duration::from_secs(20);
 
-/// Photographs the window in the states a user meets first.
+/// Photographs the window in the states a user meets first, or what belongs to one example alone.
 ///
 /// # Errors
 /// One line saying what could not be shown or written.
-pub fn write(folder: &Path) -> anyhow::Result<()> {
+pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     super::solve::output_folder(folder)?;
     let mut tour = Tour::start(folder)?;
-    tour.photograph("empty", Duration::ZERO)?;
-    tour.run(Command::Window(WindowCommand::Help));
-    tour.photograph("help", Duration::ZERO)?;
-    tour.run(Command::Window(WindowCommand::Help));
-
-    tour.open(Example::Office)?;
-    tour.photograph("office", GRAIN)?;
-    tour.click_at([0.36, 0.58]);
-    tour.wait("the spheres", |app| app.session().probe.is_some())?;
-    tour.photograph("probe", GRAIN)?;
-    tour.view(|view| view.probe_bins_n = 29);
-    tour.click("Smooth");
-    tour.click("3-D lobe");
-    tour.click("E");
-    tour.wait("the spheres", |app| !app.is_busy())?;
-    tour.photograph("lobe", GRAIN)?;
-    tour.click("Resolutions");
-    tour.wait("every resolution", |app| !app.session().resolutions.is_empty() && !app.is_busy())?;
-    tour.photograph("resolutions", GRAIN)?;
-    tour.click("Smooth");
-    tour.click("Moments");
-    tour.photograph("moments", GRAIN)?;
-    tour.click("Radial plots");
-    tour.view(|view| view.probe = None);
-    tour.click("Plan");
-    tour.click("radiosity: automatic");
-    tour.photograph("plan", GRAIN)?;
-    tour.harness.key_press(egui::Key::Escape);
-    tour.harness.run_steps(2);
-    tour.click("Layers");
-
-    tour.view(|view| (view.volume.shown, view.volume.size) = (true, 0.06));
-    tour.wait("the volume", |app| app.session().inspection.is_some() && !app.is_busy())?;
-    tour.photograph("volume", GRAIN)?;
-    tour.view(|view| {
-        view.volume.part = Part::Indirect;
-        view.volume.slice = Some((1, 0.4));
-        view.volume.size = 0.15;
-    });
-    tour.wait("the slice", |app| !app.is_busy())?;
-    tour.photograph("volume_slice", GRAIN)?;
-    tour.view(|view| *view = View { camera: view.camera, ..View::default() });
-
-    tour.view(|view| {
-        view.volume =
-            VolumeView { shown: true, colour_by: ColourBy::Validity, size: 0.12, ..VolumeView::default() };
-    });
-    tour.wait("what the samples are worth", |app| app.session().inspection.is_some() && !app.is_busy())?;
-    tour.photograph("volume_validity", GRAIN)?;
-    tour.view(|view| *view = View { camera: view.camera, ..View::default() });
-
-    for id in ["radiosity.elements", "radiosity.irradiance", "irradiance_volume.grid"] {
-        tour.view(|view| view.views = vec![id.to_owned()]);
-        tour.wait("the view", |app| !app.is_busy())?;
-        tour.photograph(&id.replace('.', "_"), GRAIN)?;
+    if only.is_none() {
+        tour.empty()?;
     }
-    tour.compare_volumes("Ceiling panel")?;
-    tour.view(|view| view.views.clear());
-    tour.view(|view| view.weights = [0.0, 0.0, 1.0, 0.0, 0.0]);
-    tour.photograph("indirect", GRAIN)?;
-    tour.view(|view| view.weights = View::default().weights);
-    let colours = FalseColour { palette: Default::default(), low: 1.0, high: 300.0, logarithmic: true };
-    tour.view(|view| view.display.false_colour = Some(colours));
-    tour.photograph("false_colour", GRAIN)?;
-    tour.view(|view| view.display.false_colour = None);
-
-    let writing = lumenscope_core::irradiance_volume::placement::requirement::PRESETS
-        .iter()
-        .find(|p| p.mean_lx == Some(500.0))
-        .map(|p| p.requirement())
-        .unwrap_or_default();
-    let placement = Placement { site: Some(Site::Plane(0)), requirement: writing, ..Placement::default() };
-    tour.run(Command::Measure { placement: Box::new(placement), dragging: false });
-    tour.view(|view| view.views = vec![PLACEMENT.to_owned()]);
-    tour.click("Placement");
-    tour.wait("the measurement", |app| app.session().measurement.is_some() && !app.is_busy())?;
-    tour.photograph("placement", GRAIN)?;
-    tour.view(|view| view.views.clear());
-    tour.click("Spheres");
-
-    tour.drag("Desk lamp", Vec3::new(-0.55, 0.0, 0.1))?;
-    tour.photograph("dragged", GRAIN)?;
-    tour.run(Command::Window(WindowCommand::Theme));
-    tour.photograph("light_theme", GRAIN)?;
-    tour.run(Command::Window(WindowCommand::Theme));
-
-    tour.open(Example::Cornell)?;
-    tour.texture()?;
-    tour.view(|view| view.compare = Compare::Reference);
-    tour.run(Command::StartReference);
-    tour.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
-    tour.photograph("reference", Duration::ZERO)?;
-    tour.view(|view| view.compare = Compare::Difference);
-    tour.photograph("difference", GRAIN)?;
-    tour.lightmap()?;
-    tour.open(Example::Teapot)?;
-    tour.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
-    tour.photograph("specular", GRAIN)?;
-    tour.house()
-}
-
-/// Photographs the house alone.
-///
-/// # Errors
-/// One line saying what could not be shown or written.
-pub fn write_house(folder: &Path) -> anyhow::Result<()> {
-    super::solve::output_folder(folder)?;
-    Tour::start(folder)?.house()
+    let parts: [(Example, fn(&mut Tour) -> anyhow::Result<()>); 4] = [
+        (Example::Office, Tour::office),
+        (Example::Cornell, Tour::cornell),
+        (Example::Teapot, Tour::teapot),
+        (Example::House, Tour::house),
+    ];
+    for (_, part) in parts.into_iter().filter(|(example, _)| only.is_none_or(|only| only == *example)) {
+        part(&mut tour)?;
+    }
+    Ok(())
 }
 
 struct Tour {
@@ -197,6 +102,127 @@ impl Tour {
             (_, now) => now.is_some(),
         })?;
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+    }
+
+    /// The window before anything is open.
+    fn empty(&mut self) -> anyhow::Result<()> {
+        self.photograph("empty", Duration::ZERO)?;
+        self.run(Command::Window(WindowCommand::Help));
+        self.photograph("help", Duration::ZERO)?;
+        self.run(Command::Window(WindowCommand::Help));
+        Ok(())
+    }
+
+    /// Most views, in the office.
+    fn office(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Office)?;
+        self.photograph("office", GRAIN)?;
+        self.click_at([0.36, 0.58]);
+        self.wait("the spheres", |app| app.session().probe.is_some())?;
+        self.photograph("probe", GRAIN)?;
+        self.view(|view| view.probe_bins_n = 29);
+        self.click("Smooth");
+        self.click("3-D lobe");
+        self.click("E");
+        self.wait("the spheres", |app| !app.is_busy())?;
+        self.photograph("lobe", GRAIN)?;
+        self.click("Resolutions");
+        self.wait("every resolution", |app| !app.session().resolutions.is_empty() && !app.is_busy())?;
+        self.photograph("resolutions", GRAIN)?;
+        self.click("Smooth");
+        self.click("Moments");
+        self.photograph("moments", GRAIN)?;
+        self.click("Radial plots");
+        self.view(|view| view.probe = None);
+        self.click("Plan");
+        self.click("radiosity: automatic");
+        self.photograph("plan", GRAIN)?;
+        self.harness.key_press(egui::Key::Escape);
+        self.harness.run_steps(2);
+        self.click("Layers");
+
+        self.view(|view| (view.volume.shown, view.volume.size) = (true, 0.06));
+        self.wait("the volume", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.photograph("volume", GRAIN)?;
+        self.view(|view| {
+            view.volume.part = Part::Indirect;
+            view.volume.slice = Some((1, 0.4));
+            view.volume.size = 0.15;
+        });
+        self.wait("the slice", |app| !app.is_busy())?;
+        self.photograph("volume_slice", GRAIN)?;
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+
+        self.view(|view| {
+            view.volume = VolumeView {
+                shown: true,
+                colour_by: ColourBy::Validity,
+                size: 0.12,
+                ..VolumeView::default()
+            };
+        });
+        self.wait("what the samples are worth", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.photograph("volume_validity", GRAIN)?;
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+
+        for id in ["radiosity.elements", "radiosity.irradiance", "irradiance_volume.grid"] {
+            self.view(|view| view.views = vec![id.to_owned()]);
+            self.wait("the view", |app| !app.is_busy())?;
+            self.photograph(&id.replace('.', "_"), GRAIN)?;
+        }
+        self.compare_volumes("Ceiling panel")?;
+        self.view(|view| view.views.clear());
+        self.view(|view| view.weights = [0.0, 0.0, 1.0, 0.0, 0.0]);
+        self.photograph("indirect", GRAIN)?;
+        self.view(|view| view.weights = View::default().weights);
+        let colours = FalseColour { palette: Default::default(), low: 1.0, high: 300.0, logarithmic: true };
+        self.view(|view| view.display.false_colour = Some(colours));
+        self.photograph("false_colour", GRAIN)?;
+        self.view(|view| view.display.false_colour = None);
+
+        let writing = lumenscope_core::irradiance_volume::placement::requirement::PRESETS
+            .iter()
+            .find(|p| p.mean_lx == Some(500.0))
+            .map(|p| p.requirement())
+            .unwrap_or_default();
+        let placement =
+            Placement { site: Some(Site::Plane(0)), requirement: writing, ..Placement::default() };
+        self.run(Command::Measure { placement: Box::new(placement), dragging: false });
+        self.view(|view| view.views = vec![PLACEMENT.to_owned()]);
+        self.click("Placement");
+        self.wait("the measurement", |app| app.session().measurement.is_some() && !app.is_busy())?;
+        self.photograph("placement", GRAIN)?;
+        self.view(|view| view.views.clear());
+        self.click("Spheres");
+
+        self.drag("Desk lamp", Vec3::new(-0.55, 0.0, 0.1))?;
+        self.photograph("dragged", GRAIN)?;
+        self.run(Command::Window(WindowCommand::Theme));
+        self.photograph("light_theme", GRAIN)?;
+        self.run(Command::Window(WindowCommand::Theme));
+        Ok(())
+    }
+
+    /// Textures, lightmaps and the reference, in the Cornell box.
+    fn cornell(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Cornell)?;
+        self.texture()?;
+        self.view(|view| view.compare = Compare::Reference);
+        self.run(Command::StartReference);
+        self.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
+        self.photograph("reference", Duration::ZERO)?;
+        self.view(|view| view.compare = Compare::Difference);
+        self.photograph("difference", GRAIN)?;
+        self.lightmap()?;
+        Ok(())
+    }
+
+    /// What is glossy.
+    fn teapot(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Teapot)?;
+        self.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
+        self.photograph("specular", GRAIN)?;
+        Ok(())
     }
 
     /// The house with its mirrors, and where they are sampled.

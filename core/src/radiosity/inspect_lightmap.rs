@@ -78,15 +78,17 @@ pub fn on_surfaces(report: &LightmapReport, world: &World, spacing_m: f32, shown
             }
         }
     }
-    let [_, high] = robust_range(mesh.values.iter().map(|v| luminance(v.abs())));
-    let (quantity, low) = match shown {
-        Shown::Light => ("lightmap", 0.0),
-        Shown::Difference => ("lightmap − ours", -high),
+    let (quantity, range) = match shown {
+        Shown::Light => {
+            let [_, high] = robust_range(mesh.values.iter().map(|v| luminance(*v)));
+            ("lightmap", [0.0, high])
+        }
+        Shown::Difference => ("lightmap − ours", report.difference_range()),
     };
     InspectionScene {
         meshes: vec![mesh],
         lines: report.seams.iter().map(|s| Line { ends: s.ends, colour: SEAM }).collect(),
-        legend: Some(Legend { quantity: quantity.into(), unit: "lx".into(), range: [low, high], names: &[] }),
+        legend: Some(Legend { quantity: quantity.into(), unit: "lx".into(), range, names: &[] }),
         notes: vec![format!("{} texels, {} seams", report.texels.len(), report.seams.len())],
         ..InspectionScene::default()
     }

@@ -98,6 +98,20 @@ pub struct LightmapReport {
     pub leaks: Vec<usize>,
 }
 
+impl LightmapReport {
+    /// Mean of our light over the covered texels, lx by luminance.
+    pub fn mean_lx(&self) -> f32 {
+        let sum: f64 = self.texels.iter().map(|t| f64::from(luminance(t.ours))).sum();
+        (sum / self.texels.len().max(1) as f64) as f32
+    }
+
+    /// Range of colours for the difference to our light, lx: the mean of our light either way.
+    pub fn difference_range(&self) -> [f32; 2] {
+        let mean = self.mean_lx().max(f32::MIN_POSITIVE);
+        [-mean, mean]
+    }
+}
+
 /// Compares a lightmap with our light; `uvs` are each triangle's corners on it, v down.
 ///
 /// # Errors
@@ -136,8 +150,7 @@ pub fn judge(
             report.uneven.push(triangle);
         }
     }
-    let mean =
-        report.texels.iter().map(|t| luminance(t.ours)).sum::<f32>() / report.texels.len().max(1) as f32;
+    let mean = report.mean_lx();
     for (i, texel) in report.texels.iter_mut().enumerate() {
         if !texel.found.is_finite() {
             texel.found = Vec3::ZERO;
