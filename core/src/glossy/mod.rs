@@ -21,6 +21,7 @@
 pub mod environment;
 pub mod gpu;
 pub mod inspect;
+pub mod inspect_point;
 pub mod invariant;
 pub mod kernel;
 pub mod lobes;
