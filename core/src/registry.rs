@@ -1,7 +1,7 @@
 //! The only file that names every room: one row a view, for the program, the command line and the tour.
 
 use crate::{
-    glossy::{inspect::KernelView, inspect_point::KernelPoint},
+    glossy::{inspect::KernelView, inspect_point::KernelPoint, particles::inspect::density},
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
@@ -191,6 +191,13 @@ pub const VIEWS: &[ViewRow] = &[
             let point = KernelPoint::near(&world.geometry, eye, input.probe.map(|p| p.position))?;
             Some(KernelView::new(world, point, eye).scene)
         },
+    },
+    ViewRow {
+        id: "glossy.particles",
+        systems: &["B12"],
+        title: "Particles of light",
+        tooltip: "Particles that the emitters send, each with its share of their flux, as squares where they meet what reflects, coloured by how many there are a square metre: what object-space glossy reflection is made from.",
+        build: |input| density(&input.solution.world, input.solution.provenance.seed),
     },
     ViewRow {
         id: "radiosity.elements",

@@ -25,6 +25,7 @@ pub mod inspect_point;
 pub mod invariant;
 pub mod kernel;
 pub mod lobes;
+pub mod particles;
 pub mod pass;
 pub mod pyramid;
 pub mod variant;
