@@ -13,6 +13,7 @@ use glam::Vec3;
 use lumenscope_core::{
     glossy::{
         GlossyMethod,
+        particles::splat::SplatSettings,
         pass::{GlossyFrame, lobes},
     },
     math::{image::LinearImage, progress::Cancelled},
@@ -49,10 +50,10 @@ pub struct Options {
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
     /// Particles of the object-space rows; each number goes on from the one before.
-    #[arg(long, value_delimiter = ',', default_values_t = [100_000, 400_000])]
+    #[arg(long, value_delimiter = ',', default_values_t = [1_000_000, 8_000_000])]
     particles: Vec<u32>,
     /// C of h = C √(A / n), the radius of a particle's Gaussian.
-    #[arg(long, default_value_t = 4.0)]
+    #[arg(long, default_value_t = SplatSettings::default().scale)]
     splat_scale: f32,
     /// Picture size.
     #[arg(long, default_value = "480x270", value_parser = parse_size)]

@@ -14,7 +14,7 @@ use egui::{RichText, Ui};
 use lumenscope_core::glossy::inspect::{KernelNumbers, KernelView};
 
 /// Height of the image and of the plots, points.
-const HEIGHT: f32 = 118.0;
+const HEIGHT: f32 = 92.0;
 
 /// Shows the kernel, or says how to get one.
 pub fn show(ui: &mut Ui, session: &Session, kernel: Option<&KernelView>, out: &mut Vec<Command>) {
@@ -41,11 +41,12 @@ pub fn show(ui: &mut Ui, session: &Session, kernel: Option<&KernelView>, out: &m
         ui.vertical(|ui| value_table::show(ui, "kernel", &rows(&kernel.numbers)));
     });
     let (lobes, spectra): (Vec<_>, Vec<_>) = scene.curves.iter().partition(|c| c.radial);
-    for (name, curves) in
-        [("Lobe in the plane of incidence", lobes), ("Spectrum, in that plane and across", spectra)]
-    {
+    for (name, curves) in [
+        ("Lobe in the plane of incidence", lobes),
+        ("Spectrum in that plane and across it, by cycles a radian", spectra),
+    ] {
         ui.label(RichText::new(name).small());
-        beside::plot(ui, name, &curves, HEIGHT);
+        beside::plot(ui, name, &curves, HEIGHT, false);
     }
 }
 
@@ -63,14 +64,14 @@ pub fn rows(numbers: &KernelNumbers) -> Vec<Row> {
         Row::one(
             "Band in the plane",
             n.band[0],
-            "cycles/rad",
-            "Highest frequency that passes in the plane of incidence",
+            "1/rad",
+            "Highest frequency that passes in the plane of incidence, cycles a radian",
         ),
         Row::one(
             "Band across it",
             n.band[1],
-            "cycles/rad",
-            "Highest frequency that passes across the plane of incidence",
+            "1/rad",
+            "Highest frequency that passes across the plane of incidence, cycles a radian",
         ),
         Row::one(
             "Support",

@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, inspection: &InspectionScene) {
     ui.horizontal_wrapped(|ui| inspection.images.iter().for_each(|image| picture(ui, image, EDGE)));
     for (number, curve) in inspection.curves.iter().enumerate().filter(|(_, c)| !is_histogram(c)) {
         ui.label(RichText::new(&curve.name).small());
-        plot(ui, number, &[curve], HEIGHT);
+        plot(ui, number, &[curve], HEIGHT, true);
     }
 }
 
@@ -47,17 +47,15 @@ pub fn picture(ui: &mut Ui, image: &NamedImage, edge: f32) {
     });
 }
 
-/// Curves over the same axes, the first in the accent's colour.
-pub fn plot(ui: &mut Ui, id: impl Hash + Debug, curves: &[&Curve], height: f32) {
+/// Curves over the same axes, which are `named` or not; the first in the accent's colour.
+pub fn plot(ui: &mut Ui, id: impl Hash + Debug, curves: &[&Curve], height: f32, named: bool) {
     let Some(first) = curves.first() else { return };
     let [x, y] = &first.axes;
-    let mut plot = Plot::new(("beside", id))
-        .height(height)
-        .x_axis_label(x.as_str())
-        .y_axis_label(y.as_str())
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false);
+    let mut plot =
+        Plot::new(("beside", id)).height(height).allow_scroll(false).allow_zoom(false).allow_drag(false);
+    if named {
+        plot = plot.x_axis_label(x.as_str()).y_axis_label(y.as_str());
+    }
     if first.radial {
         plot = plot.data_aspect(1.0);
     }

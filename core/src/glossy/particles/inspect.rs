@@ -15,6 +15,9 @@ use rayon::prelude::*;
 /// Particles that are sent for the view.
 const SENT: u32 = 20_000;
 
+/// C of Eq. 7.6: some fifty particles are counted for each.
+const SCALE: f32 = 4.0;
+
 /// Hits that are drawn, at most.
 const DRAWN: usize = 16_000;
 
@@ -26,7 +29,8 @@ const FILLED: f32 = 0.6;
 pub fn density(world: &World, seed: u64) -> Option<InspectionScene> {
     let mut particles = Particles::new(world, seed);
     particles.trace(world, SENT, &Progress::silent()).ok()?;
-    let map = SplatMap::of(world, &particles, &SplatSettings::default(), |_| true);
+    let settings = SplatSettings { scale: SCALE, ..SplatSettings::default() };
+    let map = SplatMap::of(world, &particles, &settings, |_| true);
     let hits: Vec<_> = particles.hits().map(|(hit, _)| *hit).collect();
     if hits.is_empty() {
         return None;

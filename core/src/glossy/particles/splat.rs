@@ -21,7 +21,7 @@ pub struct SplatSettings {
 
 impl Default for SplatSettings {
     fn default() -> Self {
-        Self { scale: 4.0, radius_m: None, least_bounces: 0 }
+        Self { scale: 12.0, radius_m: None, least_bounces: 0 }
     }
 }
 
