@@ -22,6 +22,7 @@ use crate::{
     worker::{News, Worker},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use lumenscope_core::glossy::inspect::KernelView;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, mpsc},
@@ -121,6 +122,11 @@ impl LumenscopeApp {
         self.dock.pick.as_ref()
     }
 
+    /// The kernel under the pointer, where its view is on and it has been on something glossy.
+    pub fn kernel(&self) -> Option<&Arc<KernelView>> {
+        self.dock.kernel.as_ref()
+    }
+
     /// Files opened lately.
     pub fn recent(&self) -> &[PathBuf] {
         self.recent.files()
@@ -215,7 +221,7 @@ impl LumenscopeApp {
                 News::Plan(plan) => self.session.plan = Some(plan),
                 News::Measured(measured) => {
                     self.session.measurement = measured;
-                    if self.session.document.view.views.iter().any(|v| v == PLACEMENT) {
+                    if self.session.document.view.shows(PLACEMENT) {
                         self.carry_out(ctx, Effect::Inspect);
                     }
                 }

@@ -99,6 +99,19 @@ pub struct View {
 }
 
 impl View {
+    /// Whether an inspection view is switched on.
+    pub fn shows(&self, id: &str) -> bool {
+        self.views.iter().any(|v| v == id)
+    }
+
+    /// Switches an inspection view on or off.
+    pub fn show(&mut self, id: &str, on: bool) {
+        self.views.retain(|v| v != id);
+        if on {
+            self.views.push(id.to_owned());
+        }
+    }
+
     /// How movable objects shine, seen from the camera.
     pub fn gloss(&self) -> Option<Gloss> {
         Some(Gloss { order: self.gloss?, eye: self.camera.eye })

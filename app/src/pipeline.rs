@@ -178,7 +178,8 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
         lightmap: request.lightmap.as_deref().map(|l| &l.report),
     };
     let spheres = shown.shown.then_some(SPHERES);
-    let ids = spheres.into_iter().chain(request.views.iter().map(String::as_str).filter(|v| *v != SPHERES));
+    let others = request.views.iter().map(String::as_str).filter(|v| ![SPHERES, KERNEL].contains(v));
+    let ids = spheres.into_iter().chain(others);
     ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
 }
 
@@ -256,6 +257,9 @@ pub const DIFFERENCES: [&str; 2] = ["irradiance_volume.difference", "irradiance_
 
 /// The view that the volume's own switch shows.
 pub const SPHERES: &str = "irradiance_volume.spheres";
+
+/// The view that follows the pointer, made by the viewport.
+pub const KERNEL: &str = "glossy.kernel";
 
 /// Two views at once: spheres need one layout of bins and colours one legend, so the first has the say.
 fn merge(mut first: InspectionScene, second: InspectionScene) -> InspectionScene {

@@ -1,7 +1,7 @@
 //! The only file that names every room: one row a view, for the program, the command line and the tour.
 
 use crate::{
-    glossy::inspect::kernel,
+    glossy::{inspect::KernelView, inspect_point::KernelPoint, particles::inspect::density},
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
@@ -192,11 +192,19 @@ pub const VIEWS: &[ViewRow] = &[
         id: "glossy.kernel",
         systems: &["B13", "B14", "B15"],
         title: "Kernel of a glossy surface",
-        tooltip: "Where the lobe of a glossy point meets the scene, seen from the scene's camera and coloured by f(ω, ω') cos θ' over its peak; the lobe as a solid; beside it the kernel as an image, and its spectrum with the sampling it needs. The point is that of the glossy surface nearest to the open probe, else the middle of the largest.",
+        tooltip: "Where the lobe of the glossy point under the pointer meets the scene, coloured by f(ω, ω') cos θ' over its peak; the lobe as a solid; under Kernel the kernel as an image, its lobe, and its spectrum with the sampling it needs. Before anything glossy is pointed at, the point is that of the flat glossy surface nearest to the open probe, else the middle of the largest.",
         build: |input| {
-            let s = input.solution;
-            kernel(&s.world, s.scene.camera.eye, input.probe.map(|p| p.position))
+            let (world, eye) = (&input.solution.world, input.solution.scene.camera.eye);
+            let point = KernelPoint::near(&world.geometry, eye, input.probe.map(|p| p.position))?;
+            Some(KernelView::new(world, point, eye).scene)
         },
+    },
+    ViewRow {
+        id: "glossy.particles",
+        systems: &["B12"],
+        title: "Particles of light",
+        tooltip: "Particles that the emitters send, each with its share of their flux, as squares where they meet what reflects, coloured by how many there are a square metre: what object-space glossy reflection is made from.",
+        build: |input| density(&input.solution.world, input.solution.provenance.seed),
     },
     ViewRow {
         id: "radiosity.elements",

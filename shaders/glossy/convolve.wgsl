@@ -11,6 +11,16 @@ fn lobe_at(lobe: u32, cos_theta: f32) -> vec4f {
     return mix(lobes.entries[lobe * ANGLES + i], lobes.entries[lobe * ANGLES + i + 1u], x - f32(i));
 }
 
+// Number of the lobe of a width; NONE of a mirror, and of one too many.
+fn lobe_of(alpha: f32) -> u32 {
+    for (var lobe = 0u; lobe < lobes.count; lobe++) {
+        if alpha > 0.0 && lobes.alpha[lobe].x == alpha {
+            return lobe;
+        }
+    }
+    return NONE;
+}
+
 fn ggx(normal: vec3f, h: vec3f, alpha: f32) -> f32 {
     let c = dot(normal, h);
     if c <= 0.0 {
@@ -117,36 +127,55 @@ fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> vec
     return own.radiance;
 }
 
+// A pixel that shows a flat glossy reflector.
+struct GlossyPixel {
+    known: bool,
+    state: u32,
+    reflector: u32,
+    point: GlossyPoint,
+    // Twin of `LobeTable::modulation`.
+    share: vec3f,
+    support: f32,
+}
+
+fn glossy_pixel(id: vec2u) -> GlossyPixel {
+    var out: GlossyPixel;
+    if any(id >= frame.size) {
+        return out;
+    }
+    out.state = state_of(frame.size, id.y * frame.size.x + id.x);
+    let seen = textureLoad(seen_triangles, id, 0).x;
+    if seen == 0u || layers[out.state + 6u] == NOT_MIRRORED {
+        return out;
+    }
+    let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id, frame.subpixel));
+    let specular = specular_at(surface);
+    let lobe = lobe_of(specular.alpha);
+    if lobe == NONE {
+        return out;
+    }
+    out.known = true;
+    out.reflector = triangles[surface.triangle].reflector;
+    out.point = GlossyPoint(surface.position - frame.eye, surface.geometric_normal, specular.alpha);
+    let entry = lobe_at(lobe, -dot(out.point.from_eye, out.point.normal) / length(out.point.from_eye));
+    out.share = entry.x * specular_reflectance_at(specular, entry.z, entry.y);
+    out.support = entry.w;
+    return out;
+}
+
+// What arrives within a pixel's lobe, where the mirrored ray's radiance stood.
+fn put(pixel: GlossyPixel, radiance: vec3f) {
+    for (var i = 0u; i < 3u; i++) {
+        layers[pixel.state + i] = radiance[i];
+        layers[pixel.state + 3u + i] = pixel.share[i];
+    }
+    layers[pixel.state + 7u] = SCATTERED;
+}
+
 @compute @workgroup_size(8, 8)
 fn scatter(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= frame.size) {
-        return;
-    }
-    let pixel = id.y * frame.size.x + id.x;
-    let seen = textureLoad(seen_triangles, id.xy, 0).x;
-    let state = state_of(frame.size, pixel);
-    if seen == 0u || layers[state + 6u] == NOT_MIRRORED {
-        return;
-    }
-    let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id.xy, frame.subpixel));
-    let specular = specular_at(surface);
-    if specular.alpha <= 0.0 {
-        return;
-    }
-    for (var lobe = 0u; lobe < lobes.count; lobe++) {
-        if lobes.alpha[lobe].x != specular.alpha {
-            continue;
-        }
-        let point = GlossyPoint(surface.position - frame.eye, surface.geometric_normal, specular.alpha);
-        let cos_theta = -dot(point.from_eye, point.normal) / length(point.from_eye);
-        let entry = lobe_at(lobe, cos_theta);
-        let radiance = gather(point, vec2i(id.xy), triangles[surface.triangle].reflector, entry.w);
-        // Twin of `LobeTable::modulation`.
-        let share = entry.x * specular_reflectance_at(specular, entry.z, entry.y);
-        for (var i = 0u; i < 3u; i++) {
-            layers[state + i] = radiance[i];
-            layers[state + 3u + i] = share[i];
-        }
-        layers[state + 7u] = SCATTERED;
+    let pixel = glossy_pixel(id.xy);
+    if pixel.known {
+        put(pixel, gather(pixel.point, vec2i(id.xy), pixel.reflector, pixel.support));
     }
 }

@@ -5,6 +5,7 @@ mod culling;
 mod environment;
 mod glossy;
 mod images;
+mod particles;
 mod planar;
 mod thrown;
 mod views;

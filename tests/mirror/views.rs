@@ -3,9 +3,14 @@
 use super::planar::floor_and_mirror;
 use glam::Vec3;
 use lumenscope_core::{
-    glossy::inspect::{KERNEL_SIZE, KernelPoint, kernel},
+    glossy::{
+        inspect::KernelView,
+        inspect_point::{KERNEL_SIZE, KernelPoint},
+    },
     mirror::{MirrorSettings, inspect},
-    scene::{Scene, brdf::Specular, fresnel, geometry::Geometry, material::Material, world::World},
+    scene::{
+        Scene, accel::Ray, brdf::Specular, fresnel, geometry::Geometry, material::Material, world::World,
+    },
 };
 use lumenscope_tests::{add, rectangle};
 
@@ -81,9 +86,9 @@ fn wider_lobes_need_fewer_samples() {
                 assert!((a - b).abs() < 1e-4, "{x}, {y}: {a} {b}");
             }
         }
-        let (curves, band) = point.spectrum(support);
-        assert!((curves[0][0].y - 1.0).abs() < 1e-5 && curves[0].iter().all(|p| p.y <= 1.0001));
-        bands.push(band);
+        let [(curve, band), (_, across)] = point.spectrum(support);
+        assert!((curve[0].y - 1.0).abs() < 1e-5 && curve.iter().all(|p| p.y <= 1.0001));
+        bands.push(band.max(across));
     }
     println!("cycles a radian: {bands:?}");
     assert!(bands.windows(2).all(|w| w[1] < w[0]), "{bands:?}");
@@ -92,7 +97,9 @@ fn wider_lobes_need_fewer_samples() {
 #[test]
 fn the_kernel_view_lies_on_what_the_lobe_meets() {
     let world = World::new(&glossy_floor(0.2));
-    let shown = kernel(&world, Vec3::new(0.0, 1.0, 1.0), None).unwrap();
+    let eye = Vec3::new(0.0, 1.0, 1.0);
+    let point = KernelPoint::near(&world.geometry, eye, None).unwrap();
+    let shown = KernelView::new(&world, point, eye).scene;
     assert_eq!((shown.meshes.len(), shown.images.len(), shown.curves.len()), (2, 1, 3));
     let footprint = &shown.meshes[0];
     assert!(!footprint.triangles.is_empty());
@@ -100,5 +107,13 @@ fn the_kernel_view_lies_on_what_the_lobe_meets() {
         let p = footprint.positions[*t as usize];
         assert!((p.z + 2.0).abs() < 0.02, "{p} is not on the wall");
     }
-    assert!(kernel(&World::new(&lumenscope_tests::cornell()), Vec3::ONE, None).is_none());
+    let dull = World::new(&lumenscope_tests::cornell());
+    assert!(KernelPoint::near(&dull.geometry, Vec3::ONE, None).is_none());
+    let glossy = |world: &World, eye: Vec3, towards: Vec3| {
+        let hit = world.accel.trace(&Ray::new(eye, towards)).unwrap();
+        KernelPoint::on(&world.geometry, &world.geometry.surface(hit.triangle, hit.barycentric, towards), eye)
+    };
+    assert_eq!(glossy(&world, point.position + point.wo, -point.wo).unwrap().alpha, point.alpha);
+    assert!(glossy(&world, eye, Vec3::NEG_Z).is_none(), "the wall is dull");
+    assert!(glossy(&world, -eye, Vec3::Y).is_none(), "from below the floor is dark");
 }

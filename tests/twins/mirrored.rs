@@ -2,6 +2,7 @@
 
 use super::*;
 use lumenscope_core::superposition::{PassSettings, accumulator::Accumulator, render};
+use lumenscope_core::{glossy::GlossyMethod, scene::world::World};
 use lumenscope_tests::cornell;
 
 /// A box with mirrors left and right, a polished floor, a chrome block and a bent piece of metal.
@@ -70,6 +71,39 @@ fn mirrors_show_what_the_specification_shows_in_them() {
     gpu.upload(&solved(cornell()));
     gpu.frame(&frame_settings(aside, DirectQuality::Elements));
     assert_eq!((gpu.renderer.mirrored_views(), gpu.layers().get(Layer::Mirror).mean()), (0, Vec3::ZERO));
+}
+
+#[test]
+fn one_kernel_a_reflector_is_the_specifications() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let camera =
+        Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.4, -0.5), ..Camera::default() };
+    for roughness in [0.1, 0.25, 0.45] {
+        let solution = mirrored();
+        // Kernels of a few pixels, and of some dozens on coarser levels: the floor's, the walls' and the block's.
+        let mut scene = (*solution.scene).clone();
+        scene.plan.glossy = Some(GlossyMethod::Invariant);
+        for material in scene.materials.iter_mut().filter(|m| m.alpha().is_some_and(|alpha| alpha > 0.0)) {
+            material.roughness = roughness;
+        }
+        let world = Arc::new(World::new(&scene));
+        let solution = LightTransportSolution { scene: Arc::new(scene), world, ..solution };
+        gpu.upload(&solution);
+        gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+        let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+        let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+        let name = format!("roughness {roughness}");
+        compare_layers(&name, &[Layer::Glossy], (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        // It is no other method's picture.
+        let mut other = (*solution.scene).clone();
+        other.plan.glossy = Some(GlossyMethod::Variant);
+        let other = LightTransportSolution { scene: Arc::new(other), ..solution };
+        let variant = render(&other, &camera, SIZE[0], SIZE[1], &settings).1;
+        let (a, b) = (layers.get(Layer::Glossy), variant.get(Layer::Glossy));
+        let apart: f32 = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).abs().max_element()).sum();
+        assert!(apart / a.pixels.len() as f32 > 2e-3 * b.mean().max_element());
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod copies;
 mod edits;
 mod inspector;
+mod kernel;
 mod light_paths;
 mod lightmap;
 mod placement;

@@ -1,7 +1,9 @@
-//! `glossy`: ways of convolving the mirror image, judged against the path tracer by roughness.
+//! `glossy`: ways of glossy reflection, in the picture and in object space, judged against the path tracer by roughness.
 
 use super::{
-    Common, parse_size,
+    Common,
+    glossy_particles::{self, Wanted},
+    parse_size,
     render::{auto_display, write_png},
     solve,
 };
@@ -11,6 +13,7 @@ use glam::Vec3;
 use lumenscope_core::{
     glossy::{
         GlossyMethod,
+        particles::splat::SplatSettings,
         pass::{GlossyFrame, lobes},
     },
     math::{image::LinearImage, progress::Cancelled},
@@ -46,6 +49,12 @@ pub struct Options {
     /// Frames averaged of each method.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
+    /// Particles of the object-space rows; each number goes on from the one before.
+    #[arg(long, value_delimiter = ',', default_values_t = [1_000_000, 8_000_000])]
+    particles: Vec<u32>,
+    /// C of h = C √(A / n), the radius of a particle's Gaussian.
+    #[arg(long, default_value_t = SplatSettings::default().scale)]
+    splat_scale: f32,
     /// Picture size.
     #[arg(long, default_value = "480x270", value_parser = parse_size)]
     size: [u32; 2],
@@ -62,11 +71,17 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if let Some(wrong) = options.roughness.iter().find(|r| !(0.05..0.5).contains(*r)) {
         bail!("--roughness {wrong} must lie from 0.05 to below 0.5");
     }
+    if !options.particles.is_sorted() || !(0.1..=100.0).contains(&options.splat_scale) {
+        bail!("--particles must ascend and --splat-scale lie from 0.1 to 100");
+    }
     solve::output_folder(&options.out)?;
     let loaded = solve::load(&options.scene, common)?;
-    let mut table =
-        String::from("roughness,method,rel_mse,flip,rel_mse_contact,rel_mse_near,rel_mse_far,milliseconds\n");
-    println!("roughness  method     relMSE    FLIP      contact   near      far       ms a frame");
+    let mut table = String::from(
+        "roughness,method,rel_mse,flip,rel_mse_contact,rel_mse_near,rel_mse_far,milliseconds,build_seconds\n",
+    );
+    println!(
+        "roughness  method             relMSE    FLIP      contact   near      far       ms a frame  s before"
+    );
     for &roughness in &options.roughness {
         let scene = with_roughness(&loaded.scene, roughness);
         if Reflectors::new(&lumenscope_core::scene::geometry::Geometry::new(&scene)).is_empty() {
@@ -86,25 +101,34 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         };
         write("reference", &reference)?;
         let distance = distances(&solution, options.size, common.seed);
+        let mut judge = |name: &str, picture: &LinearImage, milliseconds: f64, build_seconds: f64| {
+            write(&name.replace(' ', "_"), picture)?;
+            let rel_mse = image::rel_mse(picture, &reference)?;
+            let flip = flip(picture, &reference)?;
+            let bands = bands(picture, &reference, &distance)?;
+            let row = bands.map(|b| format!("{b:.5}")).join("   ");
+            println!(
+                "{roughness:<9}  {name:<17}  {rel_mse:.5}   {flip:.5}   {row}   {milliseconds:<10.1}  {build_seconds:.2}"
+            );
+            let bands = bands.map(|b| b.to_string()).join(",");
+            let _ =
+                writeln!(table, "{roughness},{name},{rel_mse},{flip},{bands},{milliseconds},{build_seconds}");
+            anyhow::Ok(())
+        };
         for method in GlossyMethod::ALL {
             let picture = picture(&solution, method, options, common.seed)?;
-            write(method.name(), &picture)?;
-            let rel_mse = image::rel_mse(&picture, &reference)?;
-            let flip = flip(&picture, &reference)?;
-            let bands = bands(&picture, &reference, &distance)?;
             let milliseconds = cost(&solution, method, options.size, common.seed);
-            let row = bands.map(|b| format!("{b:.5}"));
-            println!(
-                "{roughness:<9}  {:<9}  {rel_mse:.5}   {flip:.5}   {}   {milliseconds:.1}",
-                method.name(),
-                row.join("   ")
-            );
-            let _ = writeln!(
-                table,
-                "{roughness},{},{rel_mse},{flip},{},{milliseconds}",
-                method.name(),
-                bands.map(|b| b.to_string()).join(",")
-            );
+            judge(method.name(), &picture, milliseconds, 0.0)?;
+        }
+        let wanted = Wanted {
+            counts: &options.particles,
+            scale: options.splat_scale,
+            size: options.size,
+            frames: options.frames,
+            seed: common.seed,
+        };
+        for row in glossy_particles::rows(&solution.world, &solution.scene.camera, &wanted)? {
+            judge(&row.name, &row.picture, row.milliseconds, row.build_seconds)?;
         }
     }
     solve::write(&options.out.join("glossy.csv"), &table)

@@ -7,6 +7,7 @@ mod cost;
 mod fly;
 mod fly_path;
 mod glossy;
+mod glossy_particles;
 mod headless;
 mod images;
 mod irradiance;

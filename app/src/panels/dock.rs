@@ -1,8 +1,9 @@
 //! The dock: the viewport with the panels around it, to be dragged about as the user likes.
 
-use super::{layers, lightmap, log, placement, plan, readout, scene, texture, views};
+use super::{kernel, layers, lightmap, log, placement, plan, readout, scene, texture, views};
 use crate::{
     command::Command,
+    pipeline::KERNEL,
     session::{Session, View},
     viewport::{Pick, Viewport, ViewportInput},
     widgets::sphere_inspector,
@@ -12,7 +13,7 @@ use egui_tiles::{
     Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles, Tree,
     UiResponse,
 };
-use lumenscope_core::inspection::InspectionScene;
+use lumenscope_core::{glossy::inspect::KernelView, inspection::InspectionScene};
 use std::sync::Arc;
 
 /// What a tile can hold.
@@ -30,6 +31,8 @@ pub enum Pane {
     Sphere,
     /// Numbers at the point picked.
     Readout,
+    /// The kernel of the glossy surface under the pointer.
+    Kernel,
     /// Illuminance where it is measured, held against a task.
     Placement,
     /// The texture of the surface that was clicked.
@@ -52,6 +55,7 @@ impl Pane {
             Self::Views => "Views",
             Self::Sphere => "Spheres",
             Self::Readout => "Read-out",
+            Self::Kernel => "Kernel",
             Self::Placement => "Placement",
             Self::Texture => "Texture",
             Self::Lightmap => "Lightmap",
@@ -81,6 +85,10 @@ pub struct Dock {
     lightmap: lightmap::State,
     /// What was picked last.
     pub pick: Option<Pick>,
+    /// The kernel under the pointer, where its view is on.
+    pub kernel: Option<Arc<KernelView>>,
+    /// Whether that was on in the last frame.
+    kernel_shown: bool,
     /// Size of the viewport in points.
     pub viewport_size: egui::Vec2,
     /// Whether the picture is finished: nothing better is on its way.
@@ -101,6 +109,8 @@ impl Default for Dock {
             texture: texture::State::default(),
             lightmap: lightmap::State::default(),
             pick: None,
+            kernel: None,
+            kernel_shown: false,
             viewport_size: egui::vec2(640.0, 400.0),
             settled: false,
             pictured: false,
@@ -128,6 +138,11 @@ impl Dock {
         shown: &Shown<'_>,
         alone: bool,
     ) -> Vec<Command> {
+        let kernel_shown = shown.session.document.view.shows(KERNEL);
+        if kernel_shown && !self.kernel_shown {
+            self.show_pane(Pane::Kernel);
+        }
+        self.kernel_shown = kernel_shown;
         let mut frame = Frame {
             shown,
             viewport,
@@ -137,6 +152,7 @@ impl Dock {
             texture: &mut self.texture,
             lightmap: &mut self.lightmap,
             pick: &mut self.pick,
+            kernel: &mut self.kernel,
             size: &mut self.viewport_size,
             settled: &mut self.settled,
             pictured: &mut self.pictured,
@@ -160,7 +176,7 @@ fn layout() -> Tree<Pane> {
     };
     let scene = tabs(&[Pane::Scene]);
     let layers = tabs(&[Pane::Layers, Pane::Views, Pane::Plan]);
-    let spheres = tabs(&[Pane::Sphere, Pane::Placement, Pane::Texture, Pane::Lightmap]);
+    let spheres = tabs(&[Pane::Sphere, Pane::Placement, Pane::Texture, Pane::Lightmap, Pane::Kernel]);
     let readout = tabs(&[Pane::Readout]);
     let log = tabs(&[Pane::Log]);
     let viewport = tiles.insert_pane(Pane::Viewport);
@@ -187,6 +203,7 @@ struct Frame<'a, 'b> {
     texture: &'a mut texture::State,
     lightmap: &'a mut lightmap::State,
     pick: &'a mut Option<Pick>,
+    kernel: &'a mut Option<Arc<KernelView>>,
     size: &'a mut egui::Vec2,
     settled: &'a mut bool,
     pictured: &'a mut bool,
@@ -213,6 +230,7 @@ impl Frame<'_, '_> {
             },
         );
         self.out.extend(output.commands);
+        *self.kernel = output.kernel;
         *self.ev100 = output.ev100;
         *self.settled = output.settled;
         *self.pictured = output.frame_seconds > 0.0;
@@ -234,6 +252,7 @@ impl Frame<'_, '_> {
                 self.out.extend(sphere_inspector::show(ui, probe, &session.resolutions, view));
             }
             Pane::Readout => readout::show(ui, self.pick.as_ref()),
+            Pane::Kernel => kernel::show(ui, session, self.kernel.as_deref(), &mut self.out),
             Pane::Placement => placement::show(ui, session, &mut self.out),
             Pane::Texture => texture::show(ui, self.texture, session, &mut self.out),
             Pane::Lightmap => lightmap::show(ui, self.lightmap, session, &mut self.out),

@@ -4,6 +4,7 @@ pub mod copies;
 pub mod dock;
 pub mod empty;
 pub mod help;
+pub mod kernel;
 pub mod layers;
 pub mod lightmap;
 pub mod log;

@@ -37,12 +37,9 @@ pub fn show(
     section(ui, "Inside the light", |ui| {
         edit_view(&session.document.view, out, |view| {
             for row in VIEWS.iter().filter(|r| r.id != SPHERES) {
-                let mut on = view.views.iter().any(|v| v == row.id);
+                let mut on = view.shows(row.id);
                 if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
-                    view.views.retain(|v| v != row.id);
-                    if on {
-                        view.views.push(row.id.to_owned());
-                    }
+                    view.show(row.id, on);
                 }
             }
         });

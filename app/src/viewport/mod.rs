@@ -9,6 +9,7 @@ pub mod drag;
 pub mod gizmo;
 pub mod gpu_picture;
 pub mod interaction;
+mod kernel;
 pub mod navigation;
 pub mod overlay;
 pub mod pick;
@@ -23,14 +24,17 @@ pub use picture::Backend;
 use crate::{
     command::Command,
     light_paths::LightPaths,
+    pipeline::KERNEL,
     session::{Compare, View},
     widgets::{Probe, legend},
 };
 use egui::{Color32, Rect, Sense, pos2, vec2};
 use interaction::Interaction;
+use kernel::PointedKernel;
 use lumenscope_core::{
+    glossy::inspect::KernelView,
     inspection::{InspectionScene, Legend},
-    math::image::LinearImage,
+    math::{false_colour::FalseColour, image::LinearImage},
     scene::{Scene, Target, camera::Camera},
     transport::LightTransportSolution,
 };
@@ -70,6 +74,8 @@ pub struct ViewportOutput {
     pub commands: Vec<Command>,
     /// What was clicked, or what was clicked earlier read again because the light has changed.
     pub pick: Option<Pick>,
+    /// The kernel under the pointer, where its view is on.
+    pub kernel: Option<Arc<KernelView>>,
     /// Seconds the picture last took.
     pub frame_seconds: f64,
     /// Exposure value the picture is shown with: the view's own, or the metered one.
@@ -90,6 +96,7 @@ pub struct Viewport {
     moved_at: f64,
     pick: Option<(Pick, Same<LightTransportSolution>)>,
     shown: Shown,
+    kernel: PointedKernel,
 }
 
 impl Viewport {
@@ -126,6 +133,7 @@ impl Viewport {
             ..ViewportOutput::default()
         };
         self.follow_pick(input, &mut out);
+        self.follow_kernel(input, &view, &mut out);
         let painted = self.paint_picture(ui, &screen, input, &view, moving, &mut out);
         self.paint_marks(&painter, &screen, input, &view);
         self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref());
@@ -153,6 +161,17 @@ impl Viewport {
             out.pick = pick.again(then.0.as_deref(), solution);
         }
         self.pick = out.pick.clone().map(|pick| (pick, now));
+    }
+
+    /// Lets the kernel follow the pointer.
+    fn follow_kernel(&mut self, input: &ViewportInput<'_>, view: &View, out: &mut ViewportOutput) {
+        match input.solution.filter(|_| view.shows(KERNEL)) {
+            Some(solution) => {
+                let (glance, place) = (self.interaction.glance.as_ref(), view.probe.map(|p| p.0));
+                out.kernel = self.kernel.follow(&solution.world, view.camera.eye, glance, place);
+            }
+            None => self.kernel = PointedKernel::default(),
+        }
     }
 
     fn is_moving(&mut self, ui: &egui::Ui, input: &ViewportInput<'_>, view: &View) -> bool {
@@ -237,6 +256,7 @@ impl Viewport {
             let moving = self.interaction.is_dragging();
             overlay::outline(painter, screen, scene.placement(target), low, high, moving);
         }
+        self.kernel.paint(painter, screen, &inspection_colours(None, view));
         overlay::lamps(painter, screen, scene, view.selected, self.interaction.hovered_lamp);
         if let Some(probe) = view.probe {
             overlay::probe(painter, screen, probe);
@@ -273,11 +293,11 @@ impl Viewport {
         } else if let Some(colours) = view.display.false_colour {
             legends.push((luminance_legend("luminance", [colours.low, colours.high]), colours));
         }
-        if let Some(inspection) = input.inspection
-            && let Some(legend) = &inspection.legend
-        {
-            let palette = view.display.false_colour.map_or(Default::default(), |f| f.palette);
-            legends.push((legend.clone(), request::inspection_colours(Some(inspection), palette)));
+        let shown = [input.inspection.map(Arc::as_ref), self.kernel.scene()];
+        for inspection in shown.into_iter().flatten() {
+            if let Some(legend) = &inspection.legend {
+                legends.push((legend.clone(), inspection_colours(Some(inspection), view)));
+            }
         }
         for (i, (legend, colours)) in legends.iter().enumerate() {
             let size = legend::size();
@@ -287,6 +307,12 @@ impl Viewport {
             }
         }
     }
+}
+
+/// Palette and range of inspection views where the display has its own palette; from 0 to 1 of none.
+fn inspection_colours(inspection: Option<&InspectionScene>, view: &View) -> FalseColour {
+    let palette = view.display.false_colour.map_or(Default::default(), |f| f.palette);
+    request::inspection_colours(inspection, palette)
 }
 
 fn luminance_legend(quantity: &str, range: [f32; 2]) -> Legend {

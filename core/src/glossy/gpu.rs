@@ -1,19 +1,25 @@
-//! Spatially variant convolution on the GPU: twin of [`super::variant`].
+//! Convolution on the GPU, by a kernel a pixel or one a reflector: twin of [`super::variant`] and of
+//! [`super::invariant`].
 //!
 //! The pyramid is built in compute passes, a level each, and read in one. It stands between the passes that
 //! follow mirrored rays and the one that puts them into the layers ([`crate::mirror::gpu`]).
 
 use super::{
+    GlossyMethod,
+    invariant::WIDEST,
     lobes::ANGLES,
     pass::{Lobes, MOST_LOBES},
     pyramid::{MOST_LEVELS, level_size},
 };
-use crate::gpu::{
-    renderer::compute_pipeline,
-    scene::SceneTables,
-    shaders,
-    storage::{Binding, bind, layout, uniform},
-    targets::Targets,
+use crate::{
+    gpu::{
+        renderer::compute_pipeline,
+        scene::SceneTables,
+        shaders,
+        storage::{Binding, bind, create, layout, uniform},
+        targets::Targets,
+    },
+    mirror::MOST_VIEWS,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
@@ -77,6 +83,37 @@ impl LobeTables {
     }
 }
 
+/// Weights of a kernel, at most.
+const MOST_WEIGHTS: usize = ((2 * WIDEST + 1) * (2 * WIDEST + 1)) as usize;
+
+/// `MeasuredReflectors` of `shaders/glossy/invariant.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MeasuredReflectors {
+    /// Their numbers.
+    pub list: [u32; MOST_VIEWS],
+    /// How many there are.
+    pub count: u32,
+    /// Nothing.
+    pub padding: [u32; 3],
+}
+
+/// `KernelInfo` of `shaders/glossy/invariant.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct KernelInfo {
+    /// Level of the pyramid.
+    pub level: u32,
+    /// Offsets go from −radius to radius.
+    pub radius: u32,
+    /// Whether there is a kernel.
+    pub known: u32,
+    /// Nothing.
+    pub padding: u32,
+    /// Its weights, row-major.
+    pub weights: [f32; MOST_WEIGHTS],
+}
+
 /// Passes of the glossy layer.
 pub(crate) struct GlossyPasses {
     lobes: wgpu::Buffer,
@@ -84,6 +121,11 @@ pub(crate) struct GlossyPasses {
     unfold: wgpu::ComputePipeline,
     halve: wgpu::ComputePipeline,
     scatter: wgpu::ComputePipeline,
+    measure: wgpu::ComputePipeline,
+    convolve: wgpu::ComputePipeline,
+    scatter_invariant: wgpu::ComputePipeline,
+    measured: wgpu::Buffer,
+    kernels: wgpu::Buffer,
     sized: Sized,
 }
 
@@ -116,14 +158,30 @@ impl GlossyPasses {
                 (4, Written),
                 (5, Uniform),
                 (6, Uniform),
+                (7, Uniform),
+                (8, Written),
+                (9, Written),
             ],
         );
         let module = shaders::GLOSSY.module(device);
         let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.surface_layout, &layout]);
-        let (unfold, halve, scatter) = (compute("unfold"), compute("halve"), compute("scatter"));
         let lobes = uniform::<LobeTables>(device, "lobes");
-        let sized = Sized::new(device, queue, &layout, [frame, &lobes], targets);
-        Self { lobes, layout, unfold, halve, scatter, sized }
+        let measured = uniform::<MeasuredReflectors>(device, "measured reflectors");
+        let kernels = create(device, "kernels", (MOST_VIEWS * size_of::<KernelInfo>()) as u64);
+        let sized = Sized::new(device, queue, &layout, [frame, &lobes, &measured, &kernels], targets);
+        Self {
+            unfold: compute("unfold"),
+            halve: compute("halve"),
+            scatter: compute("scatter"),
+            measure: compute("measure"),
+            convolve: compute("convolve"),
+            scatter_invariant: compute("scatter_invariant"),
+            lobes,
+            layout,
+            measured,
+            kernels,
+            sized,
+        }
     }
 
     /// Follows targets of another size.
@@ -134,19 +192,21 @@ impl GlossyPasses {
         frame: &wgpu::Buffer,
         targets: &Targets,
     ) {
-        self.sized = Sized::new(device, queue, &self.layout, [frame, &self.lobes], targets);
+        let tables = [frame, &self.lobes, &self.measured, &self.kernels];
+        self.sized = Sized::new(device, queue, &self.layout, tables, targets);
     }
 
-    /// Records the passes of one frame.
+    /// Records the passes of one frame whose picture shows some reflectors.
     pub(crate) fn record(
         &self,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneTables,
-        lobes: &Lobes,
+        method: GlossyMethod,
+        reflectors: impl Iterator<Item = u32>,
     ) {
-        queue.write_buffer(&self.lobes, 0, bytemuck::bytes_of(&LobeTables::new(lobes)));
-        let mut dispatch = |pipeline: &wgpu::ComputePipeline, level: usize, size: LevelInfo| {
+        queue.write_buffer(&self.lobes, 0, bytemuck::bytes_of(&LobeTables::new(scene.lobes())));
+        let mut run = |pipeline: &wgpu::ComputePipeline, level: usize, [x, y]: [u32; 2]| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("glossy"),
                 ..Default::default()
@@ -154,14 +214,29 @@ impl GlossyPasses {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &scene.surface_group, &[]);
             pass.set_bind_group(1, &self.sized.groups[level], &[]);
-            pass.dispatch_workgroups(size.width.div_ceil(8), size.height.div_ceil(8), 1);
+            pass.dispatch_workgroups(x, y, 1);
         };
+        let blocks = |size: &LevelInfo| [size.width.div_ceil(8), size.height.div_ceil(8)];
         let levels = &self.sized.levels;
-        dispatch(&self.unfold, 0, levels[0]);
+        run(&self.unfold, 0, blocks(&levels[0]));
         for (level, size) in levels.iter().enumerate().skip(1) {
-            dispatch(&self.halve, level, *size);
+            run(&self.halve, level, blocks(size));
         }
-        dispatch(&self.scatter, 0, levels[0]);
+        if method != GlossyMethod::Invariant {
+            run(&self.scatter, 0, blocks(&levels[0]));
+            return;
+        }
+        let mut measured = MeasuredReflectors::zeroed();
+        for (entry, reflector) in measured.list.iter_mut().zip(reflectors) {
+            *entry = reflector;
+            measured.count += 1;
+        }
+        queue.write_buffer(&self.measured, 0, bytemuck::bytes_of(&measured));
+        run(&self.measure, 0, [measured.count, 1]);
+        for (level, size) in levels.iter().enumerate() {
+            run(&self.convolve, level, blocks(size));
+        }
+        run(&self.scatter_invariant, 0, blocks(&levels[0]));
     }
 }
 
@@ -170,7 +245,7 @@ impl Sized {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         layout: &wgpu::BindGroupLayout,
-        [frame, lobes]: [&wgpu::Buffer; 2],
+        [frame, lobes, measured, kernels]: [&wgpu::Buffer; 4],
         targets: &Targets,
     ) -> Self {
         let mut levels: Vec<LevelInfo> = Vec::new();
@@ -183,12 +258,9 @@ impl Sized {
                 break;
             }
         }
-        let texels = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("mirror image pyramid"),
-            size: u64::from(first) * size_of::<TexelInfo>() as u64,
-            usage: wgpu::BufferUsages::STORAGE,
-            mapped_at_creation: false,
-        });
+        let of_texels = |label, size: usize| create(device, label, u64::from(first) * size as u64);
+        let texels = of_texels("mirror image pyramid", size_of::<TexelInfo>());
+        let convolved = of_texels("convolved pyramid", size_of::<Vec4>());
         let mut table = [LevelInfo::default(); MOST_LEVELS];
         table[..levels.len()].copy_from_slice(&levels);
         let info = uniform::<[LevelInfo; MOST_LEVELS]>(device, "pyramid levels");
@@ -207,6 +279,9 @@ impl Sized {
                     (4, texels.as_entire_binding()),
                     (5, info.as_entire_binding()),
                     (6, step.as_entire_binding()),
+                    (7, measured.as_entire_binding()),
+                    (8, kernels.as_entire_binding()),
+                    (9, convolved.as_entire_binding()),
                 ];
                 bind(device, "glossy", layout, &resources)
             })

@@ -1,158 +1,164 @@
 //! One kernel for each reflector: spatially invariant convolution (Bastos 1999, §7.4.2.1).
 //!
-//! The kernel is that of the reflector's pixel of median distance, with everything as far away as what it
-//! mirrors. Small kernels are summed directly, large ones by the Fourier transform; mask and image are
-//! convolved alike and divided, so that the reflector's edge darkens nothing.
+//! The kernel is that of the mean point of the reflector that is seen, with everything as far away as what it
+//! mirrors on the mean. It is a table of at most fifteen by fifteen weights: small kernels are summed over pixels,
+//! larger ones over a level of the [`Pyramid`] on which they are that small, and read between its texels. Mask and
+//! image are convolved alike and divided, so that the reflector's edge darkens nothing.
+//!
+//! Means, not the pixel of median distance: two pixels equally far may be far apart, and which of them is the
+//! middle one is then a matter of rounding.
+//!
+//! Limits: a reflector narrower than the texels of its level is shown as if it were sharp, as is one that no
+//! pixel of those that are measured shows.
 
-use super::kernel::{GlossyPoint, Lens};
-use crate::math::{fourier::transform, image::LinearImage};
-use glam::{DVec3, Vec2, Vec3};
-use rustfft::num_complex::Complex;
+use super::{
+    kernel::{GlossyPoint, Lens},
+    pyramid::Pyramid,
+};
+use crate::math::image::LinearImage;
+use glam::{Vec2, Vec3};
 
-/// Radius in pixels above which the Fourier transform is cheaper: (2 r + 1)² products a pixel against some
-/// 15 log₂ N for two pairs of transforms.
-pub const DIRECT_RADIUS: u32 = 7;
+/// Largest radius of a table of weights, texels.
+pub const WIDEST: u32 = 7;
 
-/// A kernel over pixel offsets, normalised to 1.
+/// Every so many pixels along and across one is measured for the mean point.
+pub const MEASURED: u32 = 4;
+
+/// Largest radius of a kernel, as a share of the picture's longer side.
+pub const MOST_RADIUS: f32 = 0.5;
+
+/// Parts of a texel, along and across, that its weight is the sum of, at most: a lobe's peak may be narrower.
+const MOST_PARTS: u32 = 4;
+
+/// A kernel over offsets of texels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
-    /// Offsets go from −radius to radius.
+    /// Level of the pyramid.
+    pub level: usize,
+    /// Offsets go from −radius to radius, texels of that level.
     pub radius: u32,
-    /// Weights, row-major.
+    /// Weights, row-major; their sum is divided by.
     pub weights: Vec<f32>,
 }
 
+/// What pixels of one reflector show, summed up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measure {
+    /// Pixels.
+    pub count: u32,
+    /// Σ of their points, from the eye, m.
+    pub from_eye: Vec3,
+    /// Σ d / (|P| + d): how much of the way from the eye to what is mirrored lies behind the mirror.
+    pub share: f32,
+}
+
+impl Measure {
+    /// Adds the point of a pixel that mirrors what is `distance` away, m.
+    pub fn add(&mut self, from_eye: Vec3, distance: f32) {
+        self.count += 1;
+        self.from_eye += from_eye;
+        self.share += if distance.is_finite() { distance / (from_eye.length() + distance) } else { 1.0 };
+    }
+
+    /// The mean point, and the nearness of what it mirrors, 1/m; `None` of nothing.
+    pub fn mean(&self, normal: Vec3, alpha: f32) -> Option<(GlossyPoint, f32)> {
+        let count = self.count as f32;
+        let from_eye = self.from_eye / count;
+        let nearness = (1.0 - self.share / count) / from_eye.length();
+        (self.count > 0).then_some((GlossyPoint { from_eye, normal, alpha }, nearness))
+    }
+}
+
 impl Kernel {
-    /// The kernel around a pixel if everything were at 1/`nearness` along the unfolded rays.
-    pub fn around(
-        lens: &Lens,
-        point: &GlossyPoint,
-        pixel: [i32; 2],
-        nearness: f32,
-        support: f32,
-        most: u32,
-    ) -> Self {
-        let wanted = point.radius_pixels(nearness, support, lens.pixel_angle()).ceil();
-        let radius = (wanted.max(1.0) as u32).min(most.max(1));
-        let edge = 2 * radius + 1;
-        let weights: Vec<f32> = (0..edge * edge)
-            .map(|i| {
-                let offset = Vec2::new((i % edge) as f32, (i / edge) as f32) - radius as f32;
-                let at = Vec2::new(pixel[0] as f32, pixel[1] as f32) + lens.subpixel + offset;
-                point.weight(lens.direction(at), nearness, lens.pixel_angle())
-            })
-            .collect();
-        let sum: f64 = weights.iter().map(|w| f64::from(*w)).sum();
-        let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        Self { radius, weights: weights.iter().map(|w| (f64::from(*w) * scale) as f32).collect() }
+    /// The kernel of a point if everything were at 1/`nearness` along the unfolded rays; `support` is tan β of its
+    /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have [`Self::at_texel`] and [`Self::at_pixel`].
+    pub fn new(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32, levels: usize) -> Self {
+        let most = (MOST_RADIUS * lens.size.max_element()).max(1.0);
+        let wanted =
+            point.radius_pixels(nearness, support, lens.pixel_angle()).ceil().clamp(1.0, most) as u32;
+        let fits = |level: &usize| wanted.div_ceil(1 << level) <= WIDEST;
+        let level = (0..levels).find(fits).unwrap_or(levels.saturating_sub(1));
+        let radius = wanted.div_ceil(1 << level).min(WIDEST);
+        let (edge, scale) = (2 * radius + 1, (1u32 << level) as f32);
+        let middle = lens.place(point.from_eye);
+        let (parts, angle) = (MOST_PARTS.min(1 << level), lens.pixel_angle() * scale);
+        let weights = (0..edge * edge).map(|i| {
+            let texel = Vec2::new((i % edge) as f32, (i / edge) as f32) - radius as f32 - 0.5;
+            let part = |k: u32| {
+                let within = Vec2::new((k % parts) as f32, (k / parts) as f32) + 0.5;
+                let direction = lens.direction(middle + (texel + within / parts as f32) * scale);
+                point.weight(direction, nearness, angle / parts as f32)
+            };
+            (0..parts * parts).map(part).sum()
+        });
+        Self { level, radius, weights: weights.collect() }
+    }
+
+    /// Σ k c L / Σ k c over the texels of a reflector around one of its level, c their coverage.
+    pub fn at_texel(&self, pyramid: &Pyramid, reflector: u32, [x, y]: [i32; 2]) -> Vec3 {
+        let (level, r) = (&pyramid.levels[self.level], self.radius as i32);
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for dy in -r..=r {
+            for dx in -r..=r {
+                let texel = level.at(x + dx, y + dy);
+                if texel.reflector == reflector {
+                    let place = (dy + r) * (2 * r + 1) + dx + r;
+                    let weight = self.weights[place as usize] * texel.coverage;
+                    sum += texel.radiance * weight;
+                    weights += weight;
+                }
+            }
+        }
+        if weights > 0.0 && weights.is_finite() { sum / weights } else { level.at(x, y).radiance }
+    }
+
+    /// What was convolved at the texels around a pixel, between them; `own` where none is of its reflector.
+    /// `convolved` knows the texels of the kernel's level.
+    pub fn at_pixel(
+        &self,
+        pyramid: &Pyramid,
+        convolved: &[Vec3],
+        reflector: u32,
+        [x, y]: [i32; 2],
+        own: Vec3,
+    ) -> Vec3 {
+        let level = &pyramid.levels[self.level];
+        let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << self.level) as f32 - 0.5;
+        let (low, f) = (at.floor(), at - at.floor());
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let (tx, ty) = (low.x as i32 + dx, low.y as i32 + dy);
+            if level.at(tx, ty).reflector == reflector {
+                let weight =
+                    (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
+                sum += convolved[(ty as u32 * level.width + tx as u32) as usize] * weight;
+                weights += weight;
+            }
+        }
+        if weights > 0.0 { sum / weights } else { own }
     }
 
     /// As an image, brightest 1.
     pub fn image(&self) -> LinearImage {
         let largest = self.weights.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         let edge = 2 * self.radius + 1;
-        LinearImage {
-            width: edge,
-            height: edge,
-            pixels: self.weights.iter().map(|w| Vec3::splat(w / largest)).collect(),
-        }
+        let pixels = self.weights.iter().map(|w| Vec3::splat(w / largest)).collect();
+        LinearImage { width: edge, height: edge, pixels }
     }
 }
 
-/// Convolves an image under a mask and divides by the convolved mask: Σ k L m / Σ k m, where the mask is set.
-pub fn convolve(image: &LinearImage, mask: &[bool], kernel: &Kernel) -> LinearImage {
-    if kernel.radius <= DIRECT_RADIUS { direct(image, mask, kernel) } else { by_fourier(image, mask, kernel) }
-}
-
-/// [`convolve`] by a sum over the kernel at each pixel.
-pub fn direct(image: &LinearImage, mask: &[bool], kernel: &Kernel) -> LinearImage {
-    let (width, height, r) = (image.width as i32, image.height as i32, kernel.radius as i32);
-    LinearImage::from_fn(image.width, image.height, |x, y| {
-        let (x, y) = (x as i32, y as i32);
-        if !mask[(y * width + x) as usize] {
-            return Vec3::ZERO;
-        }
-        let (mut sum, mut weights) = (DVec3::ZERO, 0.0f64);
-        for dy in -r..=r {
-            for dx in -r..=r {
-                let (u, v) = (x + dx, y + dy);
-                if u < 0 || v < 0 || u >= width || v >= height || !mask[(v * width + u) as usize] {
-                    continue;
-                }
-                let k = f64::from(kernel.weights[((dy + r) * (2 * r + 1) + dx + r) as usize]);
-                sum += k * image.pixels[(v * width + u) as usize].as_dvec3();
-                weights += k;
+/// Convolves what a reflector mirrors, at the texels of the kernel's level; black where it is not seen.
+pub fn convolve(pyramid: &Pyramid, reflector: u32, kernel: &Kernel) -> Vec<Vec3> {
+    use rayon::prelude::*;
+    let level = &pyramid.levels[kernel.level];
+    (0..level.texels.len())
+        .into_par_iter()
+        .map(|i| match level.texels[i].reflector == reflector {
+            true => {
+                let [x, y] = [i as u32 % level.width, i as u32 / level.width].map(|v| v as i32);
+                kernel.at_texel(pyramid, reflector, [x, y])
             }
-        }
-        if weights > 0.0 { (sum / weights).as_vec3() } else { image.at(x as u32, y as u32) }
-    })
-}
-
-/// [`convolve`] by the Fourier transform; padded, so that nothing wraps around.
-pub fn by_fourier(image: &LinearImage, mask: &[bool], kernel: &Kernel) -> LinearImage {
-    let r = kernel.radius as usize;
-    let (w, h) = (image.width as usize, image.height as usize);
-    let (width, height) = (smooth(w + r), smooth(h + r));
-    let plane = |value: &dyn Fn(usize) -> Complex<f64>| {
-        let mut plane = vec![Complex::default(); width * height];
-        for y in 0..h {
-            for x in 0..w {
-                if mask[y * w + x] {
-                    plane[y * width + x] = value(y * w + x);
-                }
-            }
-        }
-        plane
-    };
-    // Two real planes in one complex one: a real kernel keeps them apart.
-    let channel = |i: usize, c: usize| f64::from(image.pixels[i][c]);
-    let mut pairs = [
-        plane(&|i| Complex::new(channel(i, 0), channel(i, 1))),
-        plane(&|i| Complex::new(channel(i, 2), 1.0)),
-    ];
-    let mut spectrum = vec![Complex::default(); width * height];
-    for (i, weight) in kernel.weights.iter().enumerate() {
-        // Mirrored: a gather correlates.
-        let (dx, dy) = ((i % (2 * r + 1)) as isize - r as isize, (i / (2 * r + 1)) as isize - r as isize);
-        let x = (-dx).rem_euclid(width as isize) as usize;
-        let y = (-dy).rem_euclid(height as isize) as usize;
-        spectrum[y * width + x] += Complex::new(f64::from(*weight), 0.0);
-    }
-    transform(&mut spectrum, width, height, true);
-    for pair in &mut pairs {
-        transform(pair, width, height, true);
-        pair.iter_mut().zip(&spectrum).for_each(|(a, k)| *a *= k);
-        transform(pair, width, height, false);
-    }
-    let [red_green, blue_mask] = pairs;
-    LinearImage::from_fn(image.width, image.height, |x, y| {
-        let i = y as usize * w + x as usize;
-        let at = y as usize * width + x as usize;
-        if !mask[i] {
-            return Vec3::ZERO;
-        }
-        let (rg, bm) = (red_green[at], blue_mask[at]);
-        let found = DVec3::new(rg.re, rg.im, bm.re) / bm.im;
-        // Rounding may put a black pixel below zero.
-        if bm.im > 1e-9 * (width * height) as f64 {
-            found.max(DVec3::ZERO).as_vec3()
-        } else {
-            image.pixels[i]
-        }
-    })
-}
-
-/// The next number of the form 2ᵃ 3ᵇ 5ᶜ: sizes that transform fast.
-fn smooth(n: usize) -> usize {
-    (n..)
-        .find(|&n| {
-            let mut n = n;
-            for p in [2, 3, 5] {
-                while n % p == 0 {
-                    n /= p;
-                }
-            }
-            n == 1
+            false => Vec3::ZERO,
         })
-        .unwrap_or(n)
+        .collect()
 }

@@ -36,6 +36,14 @@ impl Lens {
             .normalize()
     }
 
+    /// Place in the picture, in pixels from the top left, of a point before the eye, given from the eye.
+    pub fn place(&self, from_eye: Vec3) -> Vec2 {
+        let eye = &self.eye;
+        let slope = Vec2::new(from_eye.dot(eye.right), from_eye.dot(eye.up)) / from_eye.dot(eye.forward);
+        let uv = slope / eye.half_size;
+        0.5 * (1.0 + Vec2::new(uv.x, -uv.y)) * self.size
+    }
+
     /// Angle of one pixel in the middle of the picture, rad.
     pub fn pixel_angle(&self) -> f32 {
         2.0 * self.eye.half_size.y / self.size.y

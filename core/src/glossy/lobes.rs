@@ -36,6 +36,48 @@ pub struct LobeEntry {
     pub support: f32,
 }
 
+impl LobeEntry {
+    /// A lobe of width α seen at an angle with this cosine; the same bytes on every run.
+    pub fn new(alpha: f32, cos_theta: f32) -> Self {
+        let wo = Vec3::new((1.0 - cos_theta * cos_theta).max(0.0).sqrt(), 0.0, cos_theta);
+        let mirrored = Vec3::new(-wo.x, 0.0, wo.z);
+        let lobe = Lobe::Ggx { alpha };
+        let (mut albedo, mut coat, mut angle) = (0.0f64, 0.0f64, 0.0f64);
+        let mut slopes: Vec<(f32, f32)> = Vec::new();
+        for i in 0..DRAWN {
+            let Some(wi) = lobe.sample(Vec3::Z, wo, r2_point(i, 17)) else { continue };
+            let density = lobe.density(Vec3::Z, wi, wo);
+            let weight = lobe.value(Vec3::Z, wi, wo) * wi.z / density;
+            if !weight.is_finite() {
+                continue;
+            }
+            albedo += f64::from(weight);
+            let cos_h = wo.dot((wi + wo).normalize());
+            coat += f64::from(weight * fresnel::reflectance(FITTED_COAT, cos_h));
+            angle += f64::from(weight * cos_h.clamp(-1.0, 1.0).acos());
+            let c = wi.dot(mirrored);
+            slopes.push((if c > 0.05 { (1.0 - c * c).max(0.0).sqrt() / c } else { 20.0 }, weight));
+        }
+        slopes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut left = WITHIN * albedo as f32;
+        let reached = slopes.iter().find(|(_, w)| {
+            left -= w;
+            left <= 0.0
+        });
+        let (coat_cosine, metal_cosine) = if albedo > 0.0 {
+            (cosine_of(FITTED_COAT, (coat / albedo) as f32), (angle / albedo).cos() as f32)
+        } else {
+            (cos_theta, cos_theta)
+        };
+        Self {
+            albedo: ((albedo / f64::from(DRAWN)) as f32).min(1.0),
+            coat_cosine,
+            metal_cosine,
+            support: reached.map_or(0.0, |s| s.0),
+        }
+    }
+}
+
 /// A GGX lobe at every angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LobeTable {
@@ -48,7 +90,8 @@ pub struct LobeTable {
 impl LobeTable {
     /// Tabulates a lobe; the same bytes on every run.
     pub fn new(alpha: f32) -> Self {
-        let entries = (0..ANGLES).map(|i| entry(alpha, (i as f32 / (ANGLES - 1) as f32).max(0.01))).collect();
+        let entries =
+            (0..ANGLES).map(|i| LobeEntry::new(alpha, (i as f32 / (ANGLES - 1) as f32).max(0.01))).collect();
         Self { alpha, entries }
     }
 
@@ -71,45 +114,6 @@ impl LobeTable {
     pub fn modulation(&self, specular: &Specular, cos_theta: f32) -> Vec3 {
         let entry = self.at(cos_theta);
         entry.albedo * specular.reflectance_at(entry.metal_cosine, entry.coat_cosine)
-    }
-}
-
-fn entry(alpha: f32, cos_theta: f32) -> LobeEntry {
-    let wo = Vec3::new((1.0 - cos_theta * cos_theta).max(0.0).sqrt(), 0.0, cos_theta);
-    let mirrored = Vec3::new(-wo.x, 0.0, wo.z);
-    let lobe = Lobe::Ggx { alpha };
-    let (mut albedo, mut coat, mut angle) = (0.0f64, 0.0f64, 0.0f64);
-    let mut slopes: Vec<(f32, f32)> = Vec::new();
-    for i in 0..DRAWN {
-        let Some(wi) = lobe.sample(Vec3::Z, wo, r2_point(i, 17)) else { continue };
-        let density = lobe.density(Vec3::Z, wi, wo);
-        let weight = lobe.value(Vec3::Z, wi, wo) * wi.z / density;
-        if !weight.is_finite() {
-            continue;
-        }
-        albedo += f64::from(weight);
-        let cos_h = wo.dot((wi + wo).normalize());
-        coat += f64::from(weight * fresnel::reflectance(FITTED_COAT, cos_h));
-        angle += f64::from(weight * cos_h.clamp(-1.0, 1.0).acos());
-        let c = wi.dot(mirrored);
-        slopes.push((if c > 0.05 { (1.0 - c * c).max(0.0).sqrt() / c } else { 20.0 }, weight));
-    }
-    slopes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut left = WITHIN * albedo as f32;
-    let reached = slopes.iter().find(|(_, w)| {
-        left -= w;
-        left <= 0.0
-    });
-    let (coat_cosine, metal_cosine) = if albedo > 0.0 {
-        (cosine_of(FITTED_COAT, (coat / albedo) as f32), (angle / albedo).cos() as f32)
-    } else {
-        (cos_theta, cos_theta)
-    };
-    LobeEntry {
-        albedo: ((albedo / f64::from(DRAWN)) as f32).min(1.0),
-        coat_cosine,
-        metal_cosine,
-        support: reached.map_or(0.0, |s| s.0),
     }
 }
 

@@ -21,9 +21,11 @@
 pub mod environment;
 pub mod gpu;
 pub mod inspect;
+pub mod inspect_point;
 pub mod invariant;
 pub mod kernel;
 pub mod lobes;
+pub mod particles;
 pub mod pass;
 pub mod pyramid;
 pub mod variant;

@@ -2,14 +2,13 @@
 
 use super::{
     GlossyMethod,
-    invariant::{Kernel, convolve},
+    invariant::{Kernel, MEASURED, Measure, convolve},
     kernel::{GlossyPoint, Lens},
     lobes::LobeTable,
     pyramid::Pyramid,
     variant::gather,
 };
 use crate::{
-    math::image::LinearImage,
     mirror::{
         pass::MirrorImage,
         reflectors::{NO_REFLECTOR, Reflectors},
@@ -20,10 +19,7 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-
-/// Largest radius of an invariant kernel, as a share of the picture's longer side.
-const MOST_RADIUS: f32 = 0.5;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Widths of lobes that are told apart, at most; what has another reflects unblurred.
 pub const MOST_LOBES: usize = 16;
@@ -128,40 +124,47 @@ impl<'a> GlossyFrame<'a> {
     }
 
     fn invariant(&self) -> Vec<Vec3> {
-        let mut out = self.image.radiance.clone();
-        let mut pixels: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (pixel, &reflector) in self.image.reflector.iter().enumerate() {
-            if reflector != NO_REFLECTOR {
-                pixels.entry(reflector).or_default().push(pixel);
+        let pyramid = self.pyramid();
+        let seen: BTreeSet<u32> = self.image.reflector.iter().copied().collect();
+        let mut convolved: BTreeMap<u32, (Kernel, Vec<Vec3>)> = BTreeMap::new();
+        for reflector in seen.into_iter().filter(|r| *r != NO_REFLECTOR) {
+            if let Some(kernel) = self.kernel_of(reflector, pyramid.levels.len()) {
+                let texels = convolve(&pyramid, reflector, &kernel);
+                convolved.insert(reflector, (kernel, texels));
             }
         }
-        for (reflector, pixels) in pixels {
-            let Some(kernel) = self.kernel_of(&pixels) else { continue };
-            let mask: Vec<bool> = self.image.reflector.iter().map(|r| *r == reflector).collect();
-            let image = LinearImage {
-                width: self.image.width,
-                height: self.image.height,
-                pixels: self.image.radiance.clone(),
-            };
-            let convolved = convolve(&image, &mask, &kernel);
-            for pixel in pixels {
-                out[pixel] = convolved.pixels[pixel];
-            }
-        }
-        out
+        (0..self.image.radiance.len())
+            .into_par_iter()
+            .map(|pixel| {
+                let (reflector, own) = (self.image.reflector[pixel], self.image.radiance[pixel]);
+                match convolved.get(&reflector) {
+                    Some((kernel, texels)) => {
+                        kernel.at_pixel(&pyramid, texels, reflector, self.pixel_at(pixel), own)
+                    }
+                    None => own,
+                }
+            })
+            .collect()
     }
 
-    /// The one kernel of a reflector: that of the pixel that mirrors what is at the median distance.
-    fn kernel_of(&self, pixels: &[usize]) -> Option<Kernel> {
-        let mut by_distance = pixels.to_vec();
-        by_distance
-            .sort_by(|a, b| self.image.distance[*a].total_cmp(&self.image.distance[*b]).then(a.cmp(b)));
-        let pixel = by_distance[by_distance.len() / 2];
-        let (point, lobe) = self.point(pixel)?;
-        let nearness = 1.0 / (self.buffer.depth[pixel] + self.image.distance[pixel]);
-        let most = (MOST_RADIUS * self.lens.size.max_element()) as u32;
-        let support = lobe.at(point.cos_theta()).support;
-        Some(Kernel::around(&self.lens, &point, self.pixel_at(pixel), nearness, support, most))
+    /// The one kernel of a reflector: that of the mean of its points that are seen.
+    fn kernel_of(&self, reflector: u32, levels: usize) -> Option<Kernel> {
+        let mut measure = Measure::default();
+        let mut lobe = None;
+        for y in (0..self.buffer.height).step_by(MEASURED as usize) {
+            for x in (0..self.buffer.width).step_by(MEASURED as usize) {
+                let pixel = (y * self.buffer.width + x) as usize;
+                if self.image.reflector[pixel] == reflector {
+                    let (point, table) = self.point(pixel)?;
+                    measure.add(point.from_eye, self.image.distance[pixel]);
+                    lobe = Some((point.normal, table));
+                }
+            }
+        }
+        let (normal, table) = lobe?;
+        let (point, nearness) = measure.mean(normal, table.alpha)?;
+        let support = table.at(point.cos_theta()).support;
+        Some(Kernel::new(&self.lens, &point, nearness, support, levels))
     }
 
     /// Place of a pixel's ray in the picture, in pixels.

@@ -1,14 +1,14 @@
 //! Synthetic mirror images: what every kernel must keep, and where two kernels must agree.
 
 use super::{
-    invariant::{DIRECT_RADIUS, Kernel, by_fourier, convolve, direct},
+    invariant::{Kernel, Measure, WIDEST, convolve},
     kernel::{GlossyPoint, Lens},
     lobes::LobeTable,
     pyramid::{Pyramid, Texel, level_size},
     variant::gather,
 };
 use crate::{
-    math::{image::LinearImage, random::hash2},
+    math::random::hash2,
     mirror::{pass::MirrorImage, reflectors::NO_REFLECTOR, views::Eye},
     scene::{
         brdf::{Brdf, Specular},
@@ -72,16 +72,29 @@ impl Setting {
             .collect()
     }
 
-    fn kernel(&self) -> Kernel {
+    /// The point in the middle, the nearness of what it mirrors and tan β of its lobe.
+    fn middle(&self) -> (GlossyPoint, f32, f32) {
         let i = self.image.radiance.len() / 2 + SIZE[0] as usize / 2;
         let point = self.point(i);
         let nearness = 1.0 / (self.eye_distance[i] + self.image.distance[i]);
-        let support = LobeTable::new(self.alpha).at(point.cos_theta()).support;
-        Kernel::around(&self.lens, &point, [SIZE[0] as i32 / 2, SIZE[1] as i32 / 2], nearness, support, 40)
+        (point, nearness, LobeTable::new(self.alpha).at(point.cos_theta()).support)
     }
 
-    fn picture(&self) -> LinearImage {
-        LinearImage { width: SIZE[0], height: SIZE[1], pixels: self.image.radiance.clone() }
+    fn kernel(&self, pyramid: &Pyramid) -> Kernel {
+        let (point, nearness, support) = self.middle();
+        Kernel::new(&self.lens, &point, nearness, support, pyramid.levels.len())
+    }
+
+    /// One kernel for all pixels of reflector 0, with its level.
+    fn invariant(&self) -> (Vec<Vec3>, Kernel) {
+        let pyramid = Pyramid::new(&self.image, &self.eye_distance);
+        let kernel = self.kernel(&pyramid);
+        let texels = convolve(&pyramid, 0, &kernel);
+        let at = |i: usize| {
+            let pixel = [i as i32 % SIZE[0] as i32, i as i32 / SIZE[0] as i32];
+            kernel.at_pixel(&pyramid, &texels, 0, pixel, self.image.radiance[i])
+        };
+        ((0..self.image.radiance.len()).map(at).collect(), kernel)
     }
 }
 
@@ -108,30 +121,76 @@ fn constant_light_stays_constant_under_every_kernel() {
                 let error = (*found - wanted * Vec3::new(3.0, 2.0, 1.0)).abs().max_element();
                 assert!(error < 1e-4, "α {alpha}, tilt {tilt}: pixel {i} is {found}");
             }
-            let mask: Vec<bool> = s.image.reflector.iter().map(|r| *r == 0).collect();
-            let kernel = s.kernel();
-            for found in [direct(&s.picture(), &mask, &kernel), by_fourier(&s.picture(), &mask, &kernel)] {
-                for (i, found) in found.pixels.iter().enumerate().filter(|(i, _)| mask[*i]) {
-                    let error = (*found - Vec3::new(3.0, 2.0, 1.0)).abs().max_element();
-                    assert!(error < 1e-4, "α {alpha}, tilt {tilt}: pixel {i} is {found}");
-                }
+            for (i, found) in s.invariant().0.iter().enumerate().filter(|(i, _)| s.image.reflector[*i] == 0) {
+                let error = (*found - Vec3::new(3.0, 2.0, 1.0)).abs().max_element();
+                assert!(error < 1e-4, "α {alpha}, tilt {tilt}: pixel {i} is {found}");
             }
         }
     }
 }
 
 #[test]
-fn the_fourier_transform_is_the_direct_sum() {
+fn a_kernel_on_a_coarser_level_is_near_the_sum_over_every_pixel() {
     for alpha in ALPHAS {
-        let s = setting(0.8, 0.7, alpha, |_| 3.0);
-        let mask: Vec<bool> = (0..s.image.radiance.len()).map(|i| i % 64 < 50).collect();
-        let kernel = s.kernel();
-        let [a, b] = [direct, by_fourier].map(|f| f(&s.picture(), &mask, &kernel));
-        let worst = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).abs().max_element());
-        // Values up to 255 in f32.
-        assert!(worst.fold(0.0, f32::max) < 1e-3);
-        assert_eq!(convolve(&s.picture(), &mask, &kernel), if kernel.radius > DIRECT_RADIUS { b } else { a });
+        let mut s = setting(0.8, 0.7, alpha, |_| 3.0);
+        let (point, nearness, support) = s.middle();
+        let radius =
+            point.radius_pixels(nearness, support, s.lens.pixel_angle()).ceil().clamp(1.0, 32.0) as i32;
+        // A wave four radii long.
+        let wave = std::f32::consts::TAU / (4 * radius) as f32;
+        for (i, radiance) in s.image.radiance.iter_mut().enumerate() {
+            *radiance = Vec3::splat(1.0 + (wave * (i as u32 % SIZE[0]) as f32).cos());
+        }
+        let (found, kernel) = s.invariant();
+        assert_eq!(kernel.level == 0, radius <= WIDEST as i32);
+        // As far as the table's outermost texels reach, to half a pixel.
+        let reach = (((2 * kernel.radius + 1) << kernel.level) / 2) as i32;
+        let middle = s.lens.place(point.from_eye);
+        let (mut worst, mut largest) = (0.0f32, 0.0f32);
+        for y in (0..SIZE[1] as i32).step_by(3) {
+            for x in (0..SIZE[0] as i32).step_by(3) {
+                let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+                for dy in -reach..=reach {
+                    for dx in -reach..=reach {
+                        let (u, v) = (x + dx, y + dy);
+                        if (0..SIZE[0] as i32).contains(&u) && (0..SIZE[1] as i32).contains(&v) {
+                            let direction = s.lens.direction(middle + Vec2::new(dx as f32, dy as f32));
+                            let weight = point.weight(direction, nearness, s.lens.pixel_angle());
+                            sum += s.image.radiance[(v * SIZE[0] as i32 + u) as usize] * weight;
+                            weights += weight;
+                        }
+                    }
+                }
+                let i = (y * SIZE[0] as i32 + x) as usize;
+                worst = worst.max((found[i] - sum / weights).abs().max_element());
+                largest = largest.max((s.image.radiance[i] - sum / weights).abs().max_element());
+            }
+        }
+        println!(
+            "α {alpha}: level {}, radius {radius}, worst {worst} of a change of {largest}",
+            kernel.level
+        );
+        // Means over texels of edge s, of the image and of the weights, and what lies between texels add a variance
+        // of s²/12 + s²/12 + s²/6, which takes k² s²/6 of a wave; beside it rounding.
+        let edge = if kernel.level == 0 { 0.0 } else { (1 << kernel.level) as f32 };
+        let most = (wave * edge).powi(2) / 6.0 + 1e-5;
+        assert!(worst < most && most < 0.04, "α {alpha}: {worst}, at most {most}");
     }
+}
+
+#[test]
+fn a_reflector_is_measured_by_its_means() {
+    let mut measure = Measure::default();
+    assert!(measure.mean(Vec3::Z, 0.1).is_none());
+    measure.add(Vec3::new(0.0, 0.0, -2.0), 2.0);
+    measure.add(Vec3::new(0.0, 1.0, -2.0), f32::INFINITY);
+    let (point, nearness) = measure.mean(Vec3::Z, 0.1).unwrap();
+    assert_eq!((point.from_eye, measure.share), (Vec3::new(0.0, 0.5, -2.0), 1.5));
+    // Three quarters of the unfolded way lie behind the mirror.
+    assert!((1.0 - point.from_eye.length() * nearness - 0.75).abs() < 1e-6);
+    let lens = setting(0.8, 0.3, 0.1, |_| 1.0).lens;
+    let at = Vec2::new(20.3, 30.8);
+    assert!(lens.place(3.0 * lens.direction(at)).distance(at) < 1e-3);
 }
 
 #[test]
@@ -140,17 +199,17 @@ fn both_kernels_agree_where_everything_is_equally_far() {
         // Seen through a narrow angle along the normal, distances and directions are equal to 1e-3.
         let s = setting(0.05, 0.0, alpha, |_| 0.15);
         let variant = s.variant();
-        let mask = vec![true; variant.len()];
-        let invariant = convolve(&s.picture(), &mask, &s.kernel());
+        let (invariant, kernel) = s.invariant();
         let (mut worst, mut change) = (0.0f32, 0.0f32);
         for y in 12..36 {
             for x in 14..50 {
                 let i = y * SIZE[0] as usize + x;
-                worst = worst.max((variant[i] - invariant.pixels[i]).abs().max_element());
-                change = change.max((s.image.radiance[i] - invariant.pixels[i]).abs().max_element());
+                worst = worst.max((variant[i] - invariant[i]).abs().max_element());
+                change = change.max((s.image.radiance[i] - invariant[i]).abs().max_element());
             }
         }
-        println!("α {alpha}: radius {}, worst {worst} of a change of {change}", s.kernel().radius);
+        let (radius, level) = (kernel.radius, kernel.level);
+        println!("α {alpha}: radius {radius} on level {level}, worst {worst} of a change of {change}");
         // Beyond four pixels the variant kernel reads means of 2 × 2, and its tail goes on where the
         // invariant one is cut at 95 %.
         assert!(worst < 0.05 * 255.0, "α {alpha}: {worst}");

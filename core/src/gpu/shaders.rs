@@ -81,6 +81,7 @@ pub const GLOSSY: Program = Program {
         wgsl!("glossy/lobes.wgsl"),
         wgsl!("glossy/pyramid.wgsl"),
         wgsl!("glossy/convolve.wgsl"),
+        wgsl!("glossy/invariant.wgsl"),
     ],
 };
 

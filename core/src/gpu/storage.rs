@@ -58,7 +58,8 @@ impl Storage {
     }
 }
 
-fn create(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
+/// A storage buffer of so many bytes.
+pub(crate) fn create(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,

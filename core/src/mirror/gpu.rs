@@ -241,7 +241,8 @@ impl MirrorPasses {
         if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
             let glossy =
                 self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
-            glossy.record(queue, encoder, scene, scene.lobes());
+            let reflectors = views.iter().filter(|v| v.depth == 1).map(|v| v.reflector);
+            glossy.record(queue, encoder, scene, method, reflectors);
             mark(clock, encoder, Stage::Convolution);
         }
         self.work_off(encoder, &self.reflect, groups, List::Depth(1));

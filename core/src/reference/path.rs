@@ -122,7 +122,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// How the first vertex of a path selects among the emitters.
-    pub(super) fn first_selection(&self) -> Selection {
+    pub fn first_selection(&self) -> Selection {
         self.lights.first_selection()
     }
 

@@ -9,7 +9,7 @@ pub enum GlossyMethod {
     /// A kernel of its own for every pixel (Bastos 1999, §7.4.2.2).
     #[default]
     Variant,
-    /// One kernel for each reflector (§7.4.2.1); on the CPU alone.
+    /// One kernel for each reflector (§7.4.2.1).
     Invariant,
     /// No convolution: the mirror image.
     Sharp,

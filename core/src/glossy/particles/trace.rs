@@ -1,0 +1,167 @@
+//! Particles on their ways: the part that does not depend on the eye.
+
+use super::emission::Emission;
+use crate::{
+    math::{
+        colour::luminance,
+        progress::{Cancelled, Progress},
+        random::Rng,
+    },
+    reference::stream_seed,
+    scene::{
+        accel::Ray,
+        emitters::Emitter,
+        geometry::{Surface, offset_origin},
+        world::World,
+    },
+};
+use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// A particle ends here at the latest; at reflectance 0.999 what is cut off is 4.5e-5 of the light.
+const MOST_BOUNCES: u32 = 10_000;
+
+/// Particles traced between two looks at whether to go on.
+const BATCH: u32 = 1 << 14;
+
+/// Where a particle met a surface that reflects, other than an ideal mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleHit {
+    /// Triangle.
+    pub triangle: u32,
+    /// Barycentric weights of corners 1 and 2.
+    pub barycentric: Vec2,
+    /// Unit direction to where it came from.
+    pub wi: Vec3,
+    /// What is left of it per channel, ρ of Eq. 7.4.
+    pub attenuation: Vec3,
+    /// Surfaces that it was reflected by before.
+    pub bounces: u32,
+}
+
+/// The particles of one emitter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sent {
+    /// Flux Φ that they share, lm per channel.
+    pub flux: Vec3,
+    /// How many there are so far, m.
+    pub count: u32,
+    /// Their hits, particle by particle.
+    pub hits: Vec<ParticleHit>,
+}
+
+impl Sent {
+    /// Flux of a hit: φ = Φ ρ / m, lm per channel (Eq. 7.4).
+    pub fn power(&self, hit: &ParticleHit) -> Vec3 {
+        self.flux * hit.attenuation / self.count.max(1) as f32
+    }
+}
+
+/// Light as particles; more can be added at any time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Particles {
+    /// By emitter of the world.
+    pub sent: Vec<Sent>,
+    seed: u64,
+}
+
+impl Particles {
+    /// No particles yet.
+    pub fn new(world: &World, seed: u64) -> Self {
+        let sent = |emitter| {
+            let flux = Emission::new(&world.geometry, emitter).flux;
+            Sent { flux, count: 0, hits: Vec::new() }
+        };
+        Self { sent: world.emitters.list.iter().map(sent).collect(), seed }
+    }
+
+    /// Particles of all emitters.
+    pub fn count(&self) -> u32 {
+        self.sent.iter().map(|s| s.count).sum()
+    }
+
+    /// Hits of all emitters' particles, each with its flux, lm per channel.
+    pub fn hits(&self) -> impl Iterator<Item = (&ParticleHit, Vec3)> {
+        self.sent.iter().flat_map(|s| s.hits.iter().map(move |hit| (hit, s.power(hit))))
+    }
+
+    /// Flux that arrives at what reflects after some bounces, lm per channel.
+    pub fn arriving(&self, bounces: u32) -> DVec3 {
+        self.hits().filter(|(hit, _)| hit.bounces == bounces).map(|(_, power)| power.as_dvec3()).sum()
+    }
+
+    /// Goes on until there are about `total` particles, shared among the emitters by their luminous flux (at least
+    /// one for each that shines). However many steps it takes there, they are the same particles.
+    ///
+    /// # Errors
+    /// [`Cancelled`]; the particles so far stay.
+    pub fn trace(&mut self, world: &World, total: u32, progress: &Progress) -> Result<(), Cancelled> {
+        progress.begin("particles");
+        let all: f64 = self.sent.iter().map(|s| f64::from(luminance(s.flux))).sum();
+        let wanted =
+            |s: &Sent| (f64::from(total) * f64::from(luminance(s.flux)) / all.max(1e-300)).ceil() as u32;
+        for (number, (sent, emitter)) in self.sent.iter_mut().zip(&world.emitters.list).enumerate() {
+            let emission = Emission::new(&world.geometry, emitter);
+            let wanted = wanted(sent);
+            while sent.count < wanted {
+                progress.report(sent.count as f32 / wanted as f32)?;
+                let batch = sent.count..wanted.min(sent.count.saturating_add(BATCH));
+                let item = |k: u32| (number as u64) << 32 | u64::from(k);
+                let hits: Vec<ParticleHit> = batch
+                    .clone()
+                    .into_par_iter()
+                    .flat_map_iter(|k| {
+                        way(
+                            world,
+                            emitter,
+                            &emission,
+                            &mut Rng::new(stream_seed(self.seed, item(k)), item(k)),
+                        )
+                    })
+                    .collect();
+                sent.hits.extend(hits);
+                sent.count = batch.end;
+            }
+        }
+        progress.report(1.0)
+    }
+}
+
+/// The hits of one particle. It goes on with the probability that the scattered direction's weight has.
+fn way(world: &World, emitter: &Emitter, emission: &Emission, rng: &mut Rng) -> Vec<ParticleHit> {
+    let geometry = &world.geometry;
+    let (mut ray, mut attenuation) = emission.send(geometry, emitter, rng);
+    let mut hits = Vec::new();
+    for bounces in 0..MOST_BOUNCES {
+        let Some(hit) = world.accel.trace(&ray) else { break };
+        let surface = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+        let (brdf, wi) = (geometry.brdf(&surface), -ray.direction);
+        if brdf.is_black() {
+            break;
+        }
+        if !brdf.specular.is_some_and(|s| s.is_mirror()) {
+            let (triangle, barycentric) = (hit.triangle, hit.barycentric);
+            hits.push(ParticleHit { triangle, barycentric, wi, attenuation, bounces });
+        }
+        let (part, u) = (rng.next_f32(), rng.next_vec2());
+        let Some(drawn) = brdf.sample(surface.normal, wi, part, u) else { break };
+        if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
+            break;
+        }
+        let weight = (drawn.diffuse + drawn.specular) * (tilt(&surface, wi) / tilt(&surface, drawn.wi));
+        let survival = weight.max_element().min(1.0);
+        if !survival.is_finite() || rng.next_f32() >= survival {
+            break;
+        }
+        attenuation *= weight / survival;
+        ray = Ray::new(offset_origin(surface.position, surface.geometric_normal), drawn.wi);
+    }
+    hits
+}
+
+/// How much more a surface takes of light from `wi` about its shading normal than about its plane's: a lobe's
+/// cosine refers to the one, the number of particles to the other (Veach 1997, §5.3.2). 1 on flat surfaces.
+pub fn tilt(surface: &Surface, wi: Vec3) -> f32 {
+    let plane = surface.geometric_normal.dot(wi);
+    if plane > 0.0 { surface.normal.dot(wi).max(0.0) / plane } else { 0.0 }
+}
