@@ -14,7 +14,7 @@ use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    renderer::{compute_pipeline, compute_variant, render_pipeline},
+    renderer::{compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},
@@ -146,15 +146,15 @@ impl MirrorPasses {
             true,
         );
         let module = shaders::MIRROR_FOLLOW.module(device);
-        let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.layout, &follow_layout]);
+        let variant = |entry, general| {
+            let groups = [&scene.layout, &follow_layout];
+            compute_variant(device, &module, entry, &groups, &shaders::constants(general, scene.lookup()))
+        };
+        let compute = |entry| variant(entry, true);
         let begin = compute("begin");
         let (reflect, reflect_wide) = (compute("reflect_into_layers"), compute("reflect_as_if_dull"));
         let follow_per_pixel = compute("follow_per_pixel");
-        let follow_elements = [false, true].map(|general| {
-            let constants = [("general", f64::from(u8::from(general)))];
-            let groups = [&scene.layout, &follow_layout];
-            compute_variant(device, &module, "follow_elements", &groups, &constants)
-        });
+        let follow_elements = [false, true].map(|general| variant("follow_elements", general));
         let sized = Sized::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
         Self {
             views,
