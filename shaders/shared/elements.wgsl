@@ -1,5 +1,8 @@
 // Irradiance stored on surfaces: twins of core/src/radiosity/lookup.rs and superposition/moved.rs.
 
+// Whether grids are looked up by Mitchell and Netravali's filter.
+override mitchell: bool = false;
+
 struct SideMap {
     first: u32,
     size: u32,
@@ -8,9 +11,9 @@ struct SideMap {
 
 struct ElementLight {
     direct: vec3f,
-    padding_0: u32,
+    buried: u32,
     indirect: vec3f,
-    padding_1: u32,
+    padding: u32,
 }
 
 struct StoredLight {
@@ -28,6 +31,37 @@ fn add_element(sum: ptr<function, StoredLight>, element: u32, weight: f32) {
         (*sum).direct += element_light[element].direct * weight;
         (*sum).indirect += element_light[element].indirect * weight;
     }
+}
+
+fn mitchell_kernel(x: f32) -> f32 {
+    if x < 1.0 {
+        return ((7.0 * x - 12.0) * x * x + 16.0 / 3.0) / 6.0;
+    }
+    return select(0.0, (((-7.0 / 3.0 * x + 12.0) * x - 20.0) * x + 32.0 / 3.0) / 6.0, x < 2.0);
+}
+
+fn mitchell_weights(at: f32) -> vec4f {
+    return vec4f(
+        mitchell_kernel(1.0 + at), mitchell_kernel(at), mitchell_kernel(1.0 - at), mitchell_kernel(2.0 - at));
+}
+
+// Twin of `lookup::mitchell`.
+fn mitchell_sum(first: u32, size: vec2u, low: vec2u, high: vec2u, at: vec2f) -> StoredLight {
+    let columns = vec4u(max(low.x, 1u) - 1u, low.x, high.x, min(high.x + 1u, size.x - 1u));
+    let rows = vec4u(max(low.y, 1u) - 1u, low.y, high.y, min(high.y + 1u, size.y - 1u));
+    let across = mitchell_weights(at.x);
+    let down = mitchell_weights(at.y);
+    var sum = StoredLight(vec3f(0.0), vec3f(0.0));
+    for (var j = 0u; j < 4u; j++) {
+        for (var i = 0u; i < 4u; i++) {
+            var node = first + rows[j] * size.x + columns[i];
+            if element_light[node].buried != 0u {
+                node = first + rows[clamp(j, 1u, 2u)] * size.x + columns[clamp(i, 1u, 2u)];
+            }
+            add_element(&sum, node, across[i] * down[j]);
+        }
+    }
+    return StoredLight(max(sum.direct, vec3f(0.0)), max(sum.indirect, vec3f(0.0)));
 }
 
 // Twin of `lookup::blend` and `ElementBlend::sum`: four elements and their weights for a grid's cell, three
@@ -57,6 +91,9 @@ fn stored_on_elements(surface: Surface) -> StoredLight {
     let x1 = min(x0 + 1u, max(nx, 1u) - 1u);
     let y1 = min(y0 + 1u, max(ny, 1u) - 1u);
     let f = p - vec2f(f32(x0), f32(y0));
+    if mitchell && side.size != 0u {
+        return mitchell_sum(side.first, vec2u(nx, ny), vec2u(x0, y0), vec2u(x1, y1), f);
+    }
     let row0 = side.first + y0 * nx;
     let row1 = side.first + y1 * nx;
     var elements = vec4u(row0 + x0, row0 + x1, row1 + x0, row1 + x1);

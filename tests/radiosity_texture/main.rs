@@ -4,6 +4,7 @@ mod convert;
 mod curved;
 mod grid;
 mod lightmap;
+mod lookup;
 mod quadtree;
 mod spot;
 mod stages;

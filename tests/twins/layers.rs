@@ -1,12 +1,16 @@
 //! The terms of the picture: still, moved, shining, with guests, as a running mean.
 
-use super::*;
+use super::{mirrored::mirrored, *};
 use lumenscope_core::{
     irradiance_volume::{
         dynamic_object::{DynamicObject, Gloss},
         moments::Order,
     },
     math::part::Part,
+    radiosity::{
+        lookup::Lookup,
+        surface_map::{BURIED, Element},
+    },
     superposition::{PassSettings, accumulator::Accumulator, render},
     transport::guests::Visitor,
 };
@@ -44,6 +48,54 @@ fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
             compare(&format!("{what}, {direct:?}"), (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
         }
     }
+}
+
+/// The same light whose pictures look it up bicubically.
+fn bicubic(solution: &LightTransportSolution) -> LightTransportSolution {
+    let mut scene = (*solution.scene).clone();
+    scene.plan.lookup = Some(Lookup::Mitchell);
+    LightTransportSolution { scene: Arc::new(scene), ..solution.clone() }
+}
+
+#[test]
+fn light_looked_up_bicubically_agrees() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let bilinear = solved(cornell());
+    // A hair off the axis, as where mirrors are compared.
+    let mut camera = bilinear.scene.camera;
+    camera.eye += Vec3::new(0.017, 0.011, 0.0);
+    let still = bicubic(&bilinear);
+    let buried = |e: &Element| e.flags & BURIED != 0;
+    assert!(still.radiosity.elements().iter().any(buried), "no node is under a block: nothing to tell apart");
+    for (what, solution) in
+        [("still", &still), ("moved", &moved(&still)), ("polished", &bicubic(&mirrored()))]
+    {
+        gpu.upload(solution);
+        for direct in [DirectQuality::Elements, DirectQuality::PerPixel(4)] {
+            gpu.frame(&frame_settings(camera, direct));
+            let settings = PassSettings { direct, seed: 1, ..PassSettings::default() };
+            let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+            // Few pixels of what is polished have diffuse light; the test of mirrors says more.
+            let which: &[Layer] = if what == "polished" {
+                &[Layer::Indirect, Layer::Mirror]
+            } else {
+                &[Layer::Direct, Layer::Indirect]
+            };
+            compare_layers(what, which, (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+    // It is another picture than the bilinear one, and that one comes back.
+    let indirect = |gpu: &mut Gpu, solution: &LightTransportSolution| {
+        gpu.upload(solution);
+        gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+        gpu.layers().get(Layer::Indirect).clone()
+    };
+    let [before, curved, after] = [&bilinear, &still, &bilinear].map(|s| indirect(&mut gpu, s));
+    assert_eq!(before, after);
+    let differing = before.pixels.iter().zip(&curved.pixels).filter(|(a, b)| a != b).count();
+    let lit = before.pixels.iter().filter(|p| **p != Vec3::ZERO).count();
+    assert!(2 * differing > lit, "{differing} of {lit} pixels differ");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use lumenscope_core::{glossy::GlossyMethod, scene::world::World};
 use lumenscope_tests::cornell;
 
 /// A box with mirrors left and right, a polished floor, a chrome block and a bent piece of metal.
-fn mirrored() -> LightTransportSolution {
+pub fn mirrored() -> LightTransportSolution {
     let mut scene = cornell();
     for material in &mut scene.materials {
         match material.name.as_str() {

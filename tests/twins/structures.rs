@@ -118,7 +118,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     );
     same_layout!(SHADE, "EmitterTriangle", tables::EmitterTriangle, triangle, cumulative_area);
     same_layout!(SHADE, "SideMap", SideMap, first, size, corners);
-    same_layout!(SHADE, "ElementLight", tables::ElementLight, direct, padding_0, indirect, padding_1);
+    same_layout!(SHADE, "ElementLight", tables::ElementLight, direct, buried, indirect, padding);
     same_layout!(
         COMPOSITE,
         "Composite",

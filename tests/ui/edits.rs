@@ -10,6 +10,7 @@ use lumenscope::{
 };
 use lumenscope_core::{
     irradiance_volume::{Basis, inspect::ColourBy, moments::Order},
+    radiosity::lookup::Lookup,
     scene::{Target, file::PlanOverrides},
     superposition::plan::Component,
 };
@@ -165,6 +166,24 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
     window.run(Command::Undo);
     window.wait_lit();
     assert_eq!(elements(&window), before);
+
+    // How light is looked up is a matter of the picture: nothing is solved again.
+    let light = window.app().session().solution.as_ref().unwrap().radiosity.clone();
+    window.click("radiosity: fixed");
+    window.harness.run_steps(2);
+    window.click("fix Lookup");
+    window.harness.run_steps(2);
+    window.click("Apply");
+    assert_eq!(window.scene().plan.lookup, Some(Lookup::Bilinear));
+    window
+        .run(Command::Plan(PlanOverrides { lookup: Some(Lookup::Mitchell), ..window.scene().plan.clone() }));
+    window.wait_lit();
+    let solution = window.app().session().solution.clone().unwrap();
+    assert!(Arc::ptr_eq(&light, &solution.radiosity) && solution.lookup() == Lookup::Mitchell);
+    window.run(Command::Undo);
+    window.run(Command::Undo);
+    window.wait_lit();
+
     let problem = PlanOverrides { gather_rays: Some(0), ..window.scene().plan.clone() };
     window.run(Command::Plan(problem));
     assert!(!window.app().session().history.can_undo(), "no rays at all cannot be asked for");

@@ -9,6 +9,7 @@ use lumenscope_core::{
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
     math::image::LinearImage,
+    radiosity::lookup::Lookup,
     reference::expression::Expression,
     superposition::{
         composite::{self, DirectQuality, Display},
@@ -18,7 +19,7 @@ use lumenscope_core::{
     },
     transport::LightTransportSolution,
 };
-use std::{path::PathBuf, time::Instant};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `render`.
 #[derive(Args)]
@@ -42,6 +43,9 @@ pub struct Options {
     /// inf), towards the mirrored view vector above order 1.
     #[arg(long)]
     moment: Option<Order>,
+    /// How light stored on surfaces is looked up between its nodes; as the plan has it by default.
+    #[arg(long, value_enum)]
+    lookup: Option<LookupName>,
     /// Only the light of these paths, from the light L to the eye E by diffuse D and specular S reflections; where
     /// nothing is specular any, else what is a sum of layers: LDE, "LD{2}E", "L(D|S)*SE".
     #[arg(long)]
@@ -61,6 +65,15 @@ pub enum Backend {
     Gpu,
 }
 
+/// [`Lookup`] by its name on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LookupName {
+    /// Bilinear between four nodes.
+    Bilinear,
+    /// Mitchell and Netravali's bicubic over 4 × 4 nodes.
+    Mitchell,
+}
+
 /// Renders.
 ///
 /// # Errors
@@ -69,6 +82,12 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
     let start = Instant::now();
     let mut loaded = solve::load(&options.scene, common)?;
+    if let Some(lookup) = options.lookup {
+        Arc::make_mut(&mut loaded.scene).plan.lookup = Some(match lookup {
+            LookupName::Bilinear => Lookup::Bilinear,
+            LookupName::Mitchell => Lookup::Mitchell,
+        });
+    }
     if let Some(settings) = &mut loaded.plan.solve.volume {
         options.volume.apply(settings);
     }

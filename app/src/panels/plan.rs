@@ -5,7 +5,7 @@ use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, Ri
 use lumenscope_core::{
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::MirrorSettings,
-    radiosity::{RadiositySettings, surface_map::ElementLayout},
+    radiosity::{RadiositySettings, lookup::Lookup, surface_map::ElementLayout},
     scene::file::PlanOverrides,
     superposition::plan::{Component, ExpectedError, PlanLine},
 };
@@ -158,6 +158,7 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
                 usual.shadow_rays,
                 1..=1024,
             );
+            choice(ui, "Lookup", LOOKUP, &mut over.lookup, Lookup::ALL.map(|l| (l, l.name())));
         }
         Component::Mirror => count(
             ui,
@@ -201,6 +202,8 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
     }
 }
 
+const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between four, or Mitchell and \
+                      Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
 const BASIS: &str = "What a query reads: 2n² bins, bilinear or the nearest, or nine spherical-harmonic \
                      coefficients E_lm = A_l L_lm. Nothing is traced again";
 const REPAIR: &str = "Mask: neighbours share their weight. Dilate: they take their neighbours' light. \

@@ -213,7 +213,8 @@ fn stored(solution: &LightTransportSolution, surface: &Surface, part: Part) -> V
         let indirect = if shown(Part::Direct) { of(Part::Indirect) * open } else { Vec3::ZERO };
         return direct + indirect;
     }
-    solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
+    let Surface { triangle, barycentric, back, .. } = *surface;
+    solution.radiosity.shown(triangle, barycentric, back, part, solution.lookup())
 }
 
 /// Samples that light a point, heaviest first; those without weight are left out unless inside a solid.

@@ -25,6 +25,7 @@ use crate::{
         gpu::MirrorPasses,
         views::{Eye, Rectangle},
     },
+    radiosity::lookup::Lookup,
     superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers, moved::MovedLight},
     transport::LightTransportSolution,
 };
@@ -47,9 +48,7 @@ pub struct GpuRenderer {
     composite_group: wgpu::BindGroup,
     /// Of single-sided triangles, and of double-sided ones.
     visibility: [wgpu::RenderPipeline; 2],
-    shade_per_pixel: wgpu::ComputePipeline,
-    /// For scenes as [`SceneTables::is_general`] says: not, and so.
-    shade_elements: [wgpu::ComputePipeline; 2],
+    shade: ShadePipelines,
     composite: wgpu::RenderPipeline,
     composite_plain: wgpu::RenderPipeline,
     /// Passes of what is polished, made when something first is.
@@ -110,8 +109,7 @@ impl GpuRenderer {
                 raster,
             )
         });
-        let shade_module = shaders::SHADE.module(device);
-        let shade = |entry| compute_pipeline(device, &shade_module, entry, &[&scene.layout, &shade_layout]);
+        let shade = ShadePipelines::new(device, [&scene.layout, &shade_layout], scene.lookup());
         let module = shaders::COMPOSITE.module(device);
         let composite = |entry| {
             let entries = ["full_screen", entry];
@@ -121,16 +119,7 @@ impl GpuRenderer {
         let (composite_plain, composite) = (composite("composite_plain"), composite("composite"));
         Ok(Self {
             inspection: Inspection::new(device, &frame, output_format),
-            shade_per_pixel: shade("shade_per_pixel"),
-            shade_elements: [false, true].map(|general| {
-                compute_variant(
-                    device,
-                    &shade_module,
-                    "shade_elements",
-                    &[&scene.layout, &shade_layout],
-                    &[("general", f64::from(u8::from(general)))],
-                )
-            }),
+            shade,
             format: output_format,
             scene,
             targets,
@@ -179,6 +168,11 @@ impl GpuRenderer {
         self.accumulated = 0;
         if self.scene.upload(device, queue, solution, moved)? {
             self.bind(device, queue);
+        }
+        let lookup = self.scene.lookup();
+        if lookup != self.shade.lookup {
+            self.shade = ShadePipelines::new(device, [&self.scene.layout, &self.shade_layout], lookup);
+            self.mirror = None;
         }
         Ok(())
     }
@@ -380,8 +374,8 @@ impl GpuRenderer {
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), ..Default::default() });
         pass.set_pipeline(match direct {
-            DirectQuality::Elements => &self.shade_elements[usize::from(self.scene.is_general())],
-            DirectQuality::PerPixel(_) => &self.shade_per_pixel,
+            DirectQuality::Elements => &self.shade.elements[usize::from(self.scene.is_general())],
+            DirectQuality::PerPixel(_) => &self.shade.per_pixel,
         });
         pass.set_bind_group(0, &self.scene.group, &[]);
         pass.set_bind_group(1, &self.shade_group, &[]);
@@ -398,6 +392,28 @@ impl GpuRenderer {
         pass.set_pipeline(if plain { &self.composite_plain } else { &self.composite });
         pass.set_bind_group(0, &self.composite_group, &[]);
         pass.draw(0..3, 0..1);
+    }
+}
+
+/// Pipelines that shade, for one way of looking radiosity up.
+struct ShadePipelines {
+    lookup: Lookup,
+    per_pixel: wgpu::ComputePipeline,
+    /// For scenes as [`SceneTables::is_general`] says: not, and so.
+    elements: [wgpu::ComputePipeline; 2],
+}
+
+impl ShadePipelines {
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 2], lookup: Lookup) -> Self {
+        let module = shaders::SHADE.module(device);
+        let variant = |entry, general| {
+            compute_variant(device, &module, entry, &groups, &shaders::constants(general, lookup))
+        };
+        Self {
+            lookup,
+            per_pixel: variant("shade_per_pixel", true),
+            elements: [false, true].map(|general| variant("shade_elements", general)),
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use crate::{
         culling::{Blocks, Portal},
         reflectors::Reflectors,
     },
-    radiosity::lookup::SideMap,
+    radiosity::lookup::{Lookup, SideMap},
     scene::{geometry::Geometry, material::Material},
     superposition::moved::MovedLight,
     transport::LightTransportSolution,
@@ -151,6 +151,11 @@ impl SceneTables {
         self.last.as_ref()
     }
 
+    /// How it is looked up.
+    pub(crate) fn lookup(&self) -> Lookup {
+        self.last.as_ref().map_or(Lookup::default(), LightTransportSolution::lookup)
+    }
+
     /// Its flat reflectors.
     pub(crate) fn reflectors(&self) -> &Reflectors {
         &self.reflectors
@@ -244,8 +249,7 @@ impl SceneTables {
             write.table(Table::Sides, &sides)?;
         }
         if known.is_none_or(|last| !Arc::ptr_eq(&last.radiosity, radiosity)) {
-            let light = tables::element_light(&radiosity.direct, &radiosity.indirect);
-            write.table(Table::ElementLight, &light)?;
+            write.table(Table::ElementLight, &tables::element_light(radiosity))?;
         }
         if known.is_none_or(|last| !Arc::ptr_eq(&last.environments, environments)) {
             write.table(Table::Environments, &tables::environments(environments))?;

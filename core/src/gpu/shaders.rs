@@ -2,6 +2,8 @@
 //!
 //! Files are joined, never rewritten; a variant is another entry point.
 
+use crate::radiosity::lookup::Lookup;
+
 /// One program: what a shader module is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Program {
@@ -109,6 +111,14 @@ pub const INSPECTION: Program = Program {
 /// Every program.
 pub const ALL: [Program; 7] =
     [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, GLOSSY, COMPOSITE, INSPECTION];
+
+/// Overridable constants of the programs that shade.
+///
+/// `general` is what `SceneTables::is_general` says of the scene.
+pub(crate) fn constants(general: bool, lookup: Lookup) -> [(&'static str, f64); 2] {
+    let flag = |on: bool| f64::from(u8::from(on));
+    [("general", flag(general)), ("mitchell", flag(lookup == Lookup::Mitchell))]
+}
 
 impl Program {
     /// Its whole source.

@@ -5,6 +5,7 @@ use crate::{
     glossy::environment::Environments,
     math::image::LinearImage,
     mirror::reflectors::Reflectors,
+    radiosity::{RadiositySolution, surface_map::BURIED},
     scene::{
         accel::{Accel, TreeView},
         emitters::{Emitter, Emitters},
@@ -190,12 +191,12 @@ pub struct EmitterTriangle {
 pub struct ElementLight {
     /// Direct irradiance, lx.
     pub direct: Vec3,
-    /// Nothing.
-    pub padding_0: u32,
+    /// 1 where the element is [`BURIED`].
+    pub buried: u32,
     /// Indirect irradiance, lx.
     pub indirect: Vec3,
     /// Nothing.
-    pub padding_1: u32,
+    pub padding: u32,
 }
 
 /// Corners of a range of triangles, three each.
@@ -429,11 +430,15 @@ pub fn emitters(emitters: &Emitters) -> (Vec<EmitterInfo>, Vec<EmitterTriangle>)
 }
 
 /// Light of the elements.
-pub fn element_light(direct: &[Vec3], indirect: &[Vec3]) -> Vec<ElementLight> {
-    direct
-        .iter()
-        .zip(indirect)
-        .map(|(&direct, &indirect)| ElementLight { direct, indirect, ..ElementLight::default() })
+pub fn element_light(radiosity: &RadiositySolution) -> Vec<ElementLight> {
+    let light = radiosity.direct.iter().zip(&radiosity.indirect);
+    let flags = radiosity.elements().iter().map(|e| e.flags);
+    light
+        .zip(flags)
+        .map(|((&direct, &indirect), flags)| {
+            let buried = u32::from(flags & BURIED != 0);
+            ElementLight { direct, indirect, buried, padding: 0 }
+        })
         .collect()
 }
 

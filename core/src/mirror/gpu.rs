@@ -14,7 +14,7 @@ use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    renderer::{Raster, compute_pipeline, compute_variant, render_pipeline},
+    renderer::{Raster, compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},
@@ -147,16 +147,16 @@ impl MirrorPasses {
         let mask = draw(["cover", "mask"], mask);
         let visibility = draw(["project", "identify"], Raster::NEAREST);
         let module = shaders::MIRROR_FOLLOW.module(device);
-        let compute = |entry| compute_pipeline(device, &module, entry, &[&scene.layout, &follow_layout]);
+        let variant = |entry, general| {
+            let groups = [&scene.layout, &follow_layout];
+            compute_variant(device, &module, entry, &groups, &shaders::constants(general, scene.lookup()))
+        };
+        let compute = |entry| variant(entry, true);
         let begin = compute("begin");
         let reflect = compute("reflect_into_layers");
         let follow_per_pixel = compute("follow_per_pixel");
-        let [follow_elements, reflect_wide] = ["follow_elements", "reflect_as_if_dull"].map(|entry| {
-            [false, true].map(|general| {
-                let constants = [("general", f64::from(u8::from(general)))];
-                compute_variant(device, &module, entry, &[&scene.layout, &follow_layout], &constants)
-            })
-        });
+        let [follow_elements, reflect_wide] = ["follow_elements", "reflect_as_if_dull"]
+            .map(|entry| [false, true].map(|general| variant(entry, general)));
         let sized = Sized::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
         Self {
             views,

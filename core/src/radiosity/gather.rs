@@ -17,7 +17,7 @@ use super::{
     RadiosityError,
     specular::{Lobes, Seen},
     subdivide::Between,
-    surface_map::{Chart, Element, SurfaceMap, UNSOLVED},
+    surface_map::{BURIED, Chart, Element, SurfaceMap, UNSOLVED},
 };
 use crate::{
     math::{
@@ -319,7 +319,7 @@ fn sequence(map: &SurfaceMap, element: &Element, number: u32, seed: u32, rays: u
 }
 
 /// Marks buried nodes beside open ones as unsolved, so that the light around an object that stands
-/// on a surface does not fade towards it. Buried nodes further in keep their own darkness.
+/// on a surface does not fade towards it. Buried nodes further in keep their own darkness and are marked so.
 fn mark_rims(map: &mut SurfaceMap, buried: &[bool]) {
     for (number, chart) in map.charts.iter().enumerate() {
         let open = |map: &SurfaceMap, i: usize| map.elements[i].flags & UNSOLVED == 0 && !buried[i];
@@ -333,6 +333,9 @@ fn mark_rims(map: &mut SurfaceMap, buried: &[bool]) {
         for i in rim {
             map.elements[chart.first_element as usize + i].flags |= UNSOLVED;
         }
+    }
+    for (element, _) in map.elements.iter_mut().zip(buried).filter(|(e, b)| **b && e.flags & UNSOLVED == 0) {
+        element.flags |= BURIED;
     }
 }
 

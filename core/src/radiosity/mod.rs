@@ -49,7 +49,7 @@ use crate::{
 use direct_light::{EmitterLight, Lighting};
 use gather::{Gathering, Transport};
 use glam::{DVec3, Vec2, Vec3};
-use lookup::SideMap;
+use lookup::{Lookup, SideMap};
 use rayon::prelude::*;
 use solve::{Convergence, weighted_sum};
 use std::sync::Arc;
@@ -306,6 +306,23 @@ impl RadiositySolution {
             Part::Direct => blend.sum(&self.direct),
             Part::Indirect => blend.sum(&self.indirect),
             Part::All => blend.sum(&self.direct) + blend.sum(&self.indirect),
+        }
+    }
+
+    /// [`Self::irradiance`] as a picture looks it up; each part is cut off at zero.
+    pub fn shown(&self, triangle: u32, barycentric: Vec2, back: bool, part: Part, lookup: Lookup) -> Vec3 {
+        let side = match lookup {
+            Lookup::Bilinear => None,
+            Lookup::Mitchell => self.sides().get(2 * triangle as usize + usize::from(back)),
+        };
+        let Some(side) = side else { return self.irradiance(triangle, barycentric, back, part) };
+        let of = |values| lookup::mitchell(side, barycentric, self.elements(), values);
+        match part {
+            Part::Direct => of([&self.direct])[0],
+            Part::Indirect => of([&self.indirect])[0],
+            Part::All => lookup::mitchell(side, barycentric, self.elements(), [&self.direct, &self.indirect])
+                .into_iter()
+                .sum(),
         }
     }
 

@@ -31,6 +31,9 @@ pub const INTERPOLATED: u32 = 2;
 /// Node outside its region.
 pub const OUTSIDE: u32 = 4;
 
+/// Node that sees nothing but what lies upon it: its darkness is that of a place nobody sees.
+pub const BURIED: u32 = 8;
+
 /// One element.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -41,7 +44,7 @@ pub struct Element {
     pub area: f32,
     /// Unit normal that cosines refer to.
     pub normal: Vec3,
-    /// [`UNSOLVED`], [`INTERPOLATED`], [`OUTSIDE`] or none of them.
+    /// [`UNSOLVED`], [`INTERPOLATED`], [`OUTSIDE`], [`BURIED`] or none of them.
     pub flags: u32,
     /// Normal of the plane that rays leave.
     pub geometric_normal: Vec3,

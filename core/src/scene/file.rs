@@ -4,6 +4,7 @@ use super::{
     MeasuringPlane,
     camera::Camera,
     glossy::GlossyMethod,
+    lookup::Lookup,
     volume::{Basis, Repair},
 };
 use crate::math::moment::Order;
@@ -126,6 +127,8 @@ pub struct PlanOverrides {
     pub gather_rays: Option<u32>,
     /// Shadow rays an area emitter and element.
     pub shadow_rays: Option<u32>,
+    /// How pictures look up what is stored on surfaces.
+    pub lookup: Option<Lookup>,
     /// Shadow rays an area emitter and pixel of pictures written to files.
     pub direct_samples: Option<u32>,
     /// Mirrors that light is followed through on its way to the eye; 0 shows none.

@@ -17,6 +17,7 @@ pub mod glossy;
 pub mod import;
 pub mod lamp;
 pub mod light_sample;
+pub mod lookup;
 pub mod material;
 pub mod mesh;
 pub mod volume;

@@ -3,7 +3,8 @@
 //! At each pixel the radiance towards the eye is L = Lₑ + ρ/π · (E_direct + E_indirect) + L_specular:
 //! emitted, direct and indirect are the first three layers, and what a specular lobe reflects is one of
 //! the other two, from the room [`mirror`](crate::mirror). Direct light is evaluated at every pixel, for crisp
-//! shadows, or read from the radiosity elements while things move; indirect light is always read.
+//! shadows, or read from the radiosity elements while things move; indirect light is always read, bilinearly
+//! or as the plan's `lookup` has it.
 
 use super::{
     composite::DirectQuality,
@@ -206,7 +207,8 @@ impl<'a> Shading<'a> {
             self.moved
                 .irradiance(solution, surface.triangle, surface.barycentric, surface.back, part)
                 .unwrap_or_else(|| {
-                    solution.radiosity.irradiance(surface.triangle, surface.barycentric, surface.back, part)
+                    let Surface { triangle, barycentric, back, .. } = *surface;
+                    solution.radiosity.shown(triangle, barycentric, back, part, solution.lookup())
                 })
         };
         let object = geometry.object[surface.triangle as usize];

@@ -10,7 +10,7 @@ use crate::{
     },
     radiosity::RadiositySolution,
     reference::expression::Expression,
-    scene::{Scene, world::World},
+    scene::{Scene, lookup::Lookup, world::World},
 };
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -42,6 +42,11 @@ pub struct LightTransportSolution {
 }
 
 impl LightTransportSolution {
+    /// How its pictures look up what is stored on surfaces.
+    pub fn lookup(&self) -> Lookup {
+        self.scene.plan.lookup.unwrap_or_default()
+    }
+
     /// The same light with movable objects that shine, or are diffuse again; an order that the volume does
     /// not hold changes nothing.
     pub fn with_gloss(&self, gloss: Option<Gloss>) -> Self {

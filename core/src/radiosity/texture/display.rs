@@ -29,8 +29,7 @@ impl RadiosityTexture {
                 self.texel(nearest.x as i64, nearest.y as i64)
             }
             Filter::Bilinear => self.weighted(p, 0, |d| [1.0 - d, d]),
-            Filter::Mitchell => self
-                .weighted(p, 1, |d| [mitchell(1.0 + d), mitchell(d), mitchell(1.0 - d), mitchell(2.0 - d)]),
+            Filter::Mitchell => self.weighted(p, 1, mitchell_weights),
         }
     }
 
@@ -46,6 +45,11 @@ impl RadiosityTexture {
         }
         sum
     }
+}
+
+/// Weights of the texels at −1, 0, 1 and 2 for a point between those at 0 and 1.
+pub fn mitchell_weights(at: f32) -> [f32; 4] {
+    [mitchell(1.0 + at), mitchell(at), mitchell(1.0 - at), mitchell(2.0 - at)]
 }
 
 /// Mitchell and Netravali's piecewise cubic k(x) for B = C = 1/3, x ≥ 0 in texels:

@@ -50,6 +50,7 @@ impl Component {
                 element_levels: None,
                 gather_rays: None,
                 shadow_rays: None,
+                lookup: None,
                 ..over
             },
             Self::Mirror => PlanOverrides { mirror_depth: None, ..over },
