@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
-    math::{colour::luminance, part::Part, progress::Progress, random::r2_point},
+    math::{colour::luminance, image::LinearImage, part::Part, progress::Progress, random::r2_point},
     radiosity::{RadiositySettings, RadiositySolution},
     reference::{irradiance::irradiance_with, path::PathTracer, path::receiver_of},
     scene::{
@@ -12,10 +12,10 @@ use lumenscope_core::{
 use lumenscope_tests::{
     add, add_point_lamp, box_room, cornell, diffuse,
     golden::{self, Errors},
-    rectangle,
+    merged, rectangle,
 };
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::{f32::consts::PI, sync::Arc};
 
 fn metal(normal_reflectance: Vec3, roughness: f32) -> Material {
     Material { reflectance: normal_reflectance, metallic: 1.0, roughness, ..Material::default() }
@@ -115,6 +115,47 @@ fn a_mirror_throws_a_lamps_light_as_its_image_would() {
         }
         assert!(lit > 20 && dark > 5, "{kind:?}: {lit} {dark}");
     }
+}
+
+#[test]
+fn what_a_mirror_throws_of_a_luminous_surface_depends_on_neither_its_mesh_nor_its_picture() {
+    let emitter = |cuts: u32, picture: Option<Arc<LinearImage>>| {
+        let mut scene = lamp_and_mirror(LampKind::Point { intensity: Vec3::ZERO }, false);
+        // Facing the mirror and the floor, by (−0.6, −0.8, 0).
+        let (u, v) = (Vec3::Z * 0.4, Vec3::new(-0.8, 0.6, 0.0) * 0.4);
+        let (du, dv) = (u / cuts as f32, v / cuts as f32);
+        let tiles = (0..cuts * cuts)
+            .map(|i| rectangle(LAMP + du * (i % cuts) as f32 + dv * (i / cuts) as f32, du, dv));
+        let bright = if picture.is_some() { 2.0 } else { 1.0 };
+        let material = Material {
+            emission: LIGHT * bright,
+            emission_texture: picture.as_ref().map(|_| 0),
+            ..diffuse("panel", Vec3::ZERO, Vec3::ZERO)
+        };
+        scene.textures.extend(picture);
+        add(&mut scene, "panel", merged(&tiles.collect::<Vec<_>>()), material);
+        solve(&scene, 0.1, 16).1
+    };
+    let grey = LinearImage { width: 2, height: 2, pixels: vec![Vec3::splat(0.5); 4] };
+    let [whole, meshed, pictured] = [emitter(1, None), emitter(5, None), emitter(1, Some(Arc::new(grey)))];
+    let world = World::new(&lamp_and_mirror(LampKind::Point { intensity: Vec3::ZERO }, false));
+    let mut compared = 0;
+    for i in 0..200 {
+        let p = r2_point(i, 3) * Vec2::new(1.6, 3.0) - Vec2::Y * 1.5;
+        let from = Vec3::new(p.x + 0.2, 0.1, p.y);
+        let hit = world.accel.trace(&Ray::new(from, Vec3::NEG_Y)).unwrap();
+        let e = |s: &RadiositySolution| s.irradiance(hit.triangle, hit.barycentric, false, Part::Indirect).x;
+        let (a, b, c) = (e(&whole), e(&meshed), e(&pictured));
+        if a > 0.5 {
+            compared += 1;
+            // Sampled over the area where it has many triangles or a picture: noise of 16 rays an element.
+            assert!((b - a).abs() < 0.1 * a && (c - a).abs() < 0.1 * a, "{from}: {a}, {b}, {c}");
+        }
+    }
+    let mean = |s: &RadiositySolution| luminance(s.indirect.iter().sum::<Vec3>()) / s.indirect.len() as f32;
+    let [a, b, c] = [&whole, &meshed, &pictured].map(mean);
+    println!("{compared} points; means {a}, {b}, {c}");
+    assert!(compared > 50 && (b / a - 1.0).abs() < 0.01 && (c / a - 1.0).abs() < 0.01, "{a}, {b}, {c}");
 }
 
 /// Errors against the path tracer at points of dull surfaces.
