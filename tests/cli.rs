@@ -272,13 +272,61 @@ fn light_is_baked_onto_the_coordinates_of_a_file_or_onto_packed_ones() {
 #[test]
 fn textures_are_judged_in_a_table_a_sheet_and_layers() {
     let (_keep, out) = folder();
-    run(&["textures", "--out", text(&out), "--samples", "3"]).unwrap();
+    run(&["textures", "--out", text(&out), "--samples", "3", "--depths", "2"]).unwrap();
     let table = fs::read_to_string(out.join("table.csv")).unwrap();
     let layers = exr::read_layers(&out.join("textures_3.exr")).unwrap();
     assert_eq!(table.lines().count(), layers.len(), "a header and a reference");
     assert!(image::open(out.join("sheet_3.png")).unwrap().height() > 1000);
+    // Each way at two depths; deeper ones come nearer with more texels, unless a wide prefilter undoes it.
+    let depths = fs::read_to_string(out.join("depths.csv")).unwrap();
+    assert_eq!(depths.lines().count() - 1, 2 * (table.lines().count() - 1));
+    let of = |start: &str| {
+        let line = depths.lines().find(|l| l.starts_with(start)).unwrap();
+        let column = |i: usize| line.rsplit(',').nth(i).unwrap().parse::<f64>().unwrap();
+        [column(8), column(4)]
+    };
+    let (coarse, fine) = (of("3,\"3 x 3 samples, bilinear"), of("5,\"5 x 5 samples, bilinear"));
+    assert!(coarse[0] == 9.0 && fine[0] == 25.0 && coarse[1] > 2.0 * fine[1], "{coarse:?} {fine:?}");
+    assert!(fs::read_to_string(out.join("depths.svg")).unwrap().contains("relMSE"));
+    assert!(image::open(out.join("depths.png")).unwrap().width() > 2000);
     let error = run(&["textures", "--out", text(&out), "--samples", "6"]).unwrap_err();
     assert!(error.contains("--samples 6 is not a power of two plus 1"), "{error}");
+}
+
+#[test]
+fn methods_are_charted_against_the_path_tracer() {
+    let (_keep, out) = folder();
+    let path = out.join("room.ron");
+    let lamp = "(name: \"Lamp\", corner: (-1.4, 2.45, -0.3), edge_u: (0.6, 0.0, 0.0), edge_v: (0.0, 0.0, 0.6), \
+                radiance: (1000.0, 1000.0, 1000.0))";
+    let room = scene("analytic/closed_box.glb");
+    let plan = "(element_spacing_m: 0.5, gather_rays: 16)";
+    fs::write(&path, format!("(models: [(file: {room:?})], area_lamps: [{lamp}], plan: {plan})")).unwrap();
+    let few = ["--points", "30", "--spp", "64", "--size", "16x9", "--methods", "radiosity,quadtrees,paths"];
+    run(&[&["chart", text(&path), "--out", text(&out)][..], &few].concat()).unwrap();
+    let table = fs::read_to_string(out.join("chart.csv")).unwrap();
+    // Three numbers of rays at six spacings and at five of roots, six numbers of paths, a header.
+    assert_eq!(table.lines().count(), 1 + 3 * 6 + 3 * 5 + 6);
+    let error = |line: &str| line.rsplit(',').nth(7).unwrap().parse::<f64>().unwrap();
+    assert!(table.lines().skip(1).all(|l| error(l) > 0.0 && error(l).is_finite()));
+    let front: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("pareto.json")).unwrap()).unwrap();
+    let front = front["pareto_front"]["picture"].as_array().unwrap();
+    let falls = |w: &[serde_json::Value]| {
+        let of = |i: usize, what: &str| w[i]["row"][what].as_f64().unwrap();
+        let median = |i: usize| w[i]["row"]["picture"]["median"].as_f64().unwrap();
+        of(0, "seconds") < of(1, "seconds") && median(0) > median(1)
+    };
+    assert!(!front.is_empty() && front.windows(2).all(falls), "{front:?}");
+    let drawing = fs::read_to_string(out.join("chart.svg")).unwrap();
+    assert!(drawing.contains("median error, %") && drawing.contains("Pareto front"));
+    assert!(image::open(out.join("chart.png")).unwrap().width() > 800);
+    // The light it found is read again, and held to the same surfaces.
+    let known = ["--truth", text(&out.join("reference.csv")), "--methods", "paths", "--size", "16x9"]
+        .map(str::to_owned);
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    run(&[&["chart", text(&path), "--out", text(&out)][..], &known].concat()).unwrap();
+    assert_eq!(fs::read_to_string(out.join("chart.csv")).unwrap().lines().count(), 1 + 6);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use lumenscope_core::{
     math::{image::LinearImage, random::Rng},
     measure::{
         MeasureError,
+        chart::{cost_at, front, saving},
         image::{
             PIXELS_PER_DEGREE, flip, flip_displayed, mean_signed, mse, psnr, rel_mse, smape, worst_pixel,
         },
@@ -256,4 +257,43 @@ fn files_that_cannot_be_written_say_so_in_one_line() {
     let read = image::open(&png).unwrap().into_rgba8();
     assert_eq!(read.get_pixel(1, 0).0, [0, 0, 255, 128]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
+}
+
+#[test]
+fn a_pareto_front_holds_what_nothing_beats() {
+    let points = [
+        [1.0, 8.0],
+        [2.0, 9.0],
+        [2.0, 4.0],
+        [3.0, 4.0],
+        [4.0, 1.0],
+        [0.5, f64::NAN],
+        [8.0, 0.0],
+        [0.9, 20.0],
+    ];
+    assert_eq!(front(&points), [7, 0, 2, 4]);
+    assert!(front(&[]).is_empty());
+    // Nothing on the front is beaten, and everything off it is.
+    let mut state = Rng::new(4, 1);
+    let points: Vec<[f64; 2]> =
+        (0..200).map(|_| [0.1 + state.next_f32(), 0.1 + state.next_f32()].map(f64::from)).collect();
+    let kept = front(&points);
+    let beaten = |p: &[f64; 2]| points.iter().any(|q| q != p && q[0] <= p[0] && q[1] <= p[1]);
+    assert!((0..points.len()).all(|i| kept.contains(&i) != beaten(&points[i])));
+}
+
+#[test]
+fn power_laws_differ_by_the_ratio_of_their_factors_at_equal_error() {
+    // Error = (a / cost)^p comes down to e at a cost of a e^(-1/p): the ratio of two is a/b wherever both reach.
+    let law = |a: f64, costs: &[f64]| costs.iter().map(|c| [*c, (a / c).powf(0.7)]).collect::<Vec<_>>();
+    let (dear, cheap) = (law(3.0, &[1.0, 2.0, 5.0, 16.0, 50.0]), law(1.25, &[0.5, 0.7, 3.0, 9.0]));
+    assert!((cost_at(&dear, 0.5).unwrap() / (3.0 * 0.5f64.powf(-1.0 / 0.7)) - 1.0).abs() < 1e-9);
+    assert_eq!(cost_at(&dear, dear[2][1]), Some(5.0));
+    assert_eq!(cost_at(&dear, 10.0), None);
+    let found = saving(&dear, &cheap).unwrap();
+    for ratio in [found.factor, found.least, found.most] {
+        assert!((ratio / (3.0 / 1.25) - 1.0).abs() < 1e-9, "{found:?}");
+    }
+    assert_eq!(found.errors, [cheap[3][1], cheap[0][1]]);
+    assert_eq!(saving(&[[1.0, 1.0]], &[[1.0, 0.5]]), None, "no error in common");
 }

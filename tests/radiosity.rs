@@ -7,7 +7,7 @@ use lumenscope_core::{
         RadiosityError, RadiositySettings, RadiositySolution,
         lookup::{self, NO_ELEMENTS},
         smooth,
-        surface_map::UNSOLVED,
+        surface_map::{BURIED, UNSOLVED},
     },
     reference::{self, irradiance::irradiance_with, path::receiver_of},
     scene::{Scene, Target, geometry::Surface, material::Material, mesh::Mesh, world::World},
@@ -465,6 +465,26 @@ fn weights_sum_to_one_and_reproduce_positions() {
             assert!(found.distance(there) < 0.13 * 0.2 * 1.42, "{found} for {there}");
         }
     }
+}
+
+#[test]
+fn a_triangular_floor_under_a_slab_stays_dark() {
+    // Its nodes are buried and those outside the triangle have nobody to take light from.
+    let mut scene = Scene::default();
+    let grey = diffuse("grey", Vec3::splat(0.5), Vec3::ZERO);
+    let mut floor = rectangle(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0);
+    floor.triangles.truncate(1);
+    add(&mut scene, "floor", floor, grey.clone());
+    add(&mut scene, "slab", cuboid(Vec3::new(-1.0, 0.001, -1.0), Vec3::new(4.0, 0.5, 4.0), false), grey);
+    add_point_lamp(&mut scene, Vec3::new(1.0, 2.0, 1.0), Vec3::splat(100.0));
+    let (_, solution) = solve(&scene, &settings(0.2));
+    let on_floor: Vec<usize> =
+        (0..solution.elements().len()).filter(|&i| solution.elements()[i].object == 0).collect();
+    let (unsolved, buried): (Vec<usize>, Vec<usize>) =
+        on_floor.iter().partition(|&&i| solution.elements()[i].flags & UNSOLVED != 0);
+    assert!(unsolved.len() > 20 && buried.len() > 20, "{} {}", unsolved.len(), buried.len());
+    assert!(buried.iter().all(|&i| solution.elements()[i].flags & BURIED != 0));
+    assert!(on_floor.iter().all(|&i| total(&solution, i) == Vec3::ZERO));
 }
 
 #[test]

@@ -260,7 +260,7 @@ pub const VIEWS: &[ViewRow] = &[
     ViewRow {
         id: "radiosity.lightmap",
         systems: &["B3"],
-        title: "Lightmap",
+        title: "Lightmap on its surfaces",
         tooltip: "The lightmap that is open, in lx on the surfaces it was baked for; green lines are its seams.",
         build: |input| on_scene(input, Shown::Light),
     },

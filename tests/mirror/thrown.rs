@@ -139,23 +139,23 @@ fn what_a_mirror_throws_of_a_luminous_surface_depends_on_neither_its_mesh_nor_it
     let grey = LinearImage { width: 2, height: 2, pixels: vec![Vec3::splat(0.5); 4] };
     let [whole, meshed, pictured] = [emitter(1, None), emitter(5, None), emitter(1, Some(Arc::new(grey)))];
     let world = World::new(&lamp_and_mirror(LampKind::Point { intensity: Vec3::ZERO }, false));
-    let mut compared = 0;
-    for i in 0..200 {
+    let at = |i: u32| {
         let p = r2_point(i, 3) * Vec2::new(1.6, 3.0) - Vec2::Y * 1.5;
-        let from = Vec3::new(p.x + 0.2, 0.1, p.y);
-        let hit = world.accel.trace(&Ray::new(from, Vec3::NEG_Y)).unwrap();
+        let hit = world.accel.trace(&Ray::new(Vec3::new(p.x + 0.2, 0.1, p.y), Vec3::NEG_Y)).unwrap();
         let e = |s: &RadiositySolution| s.irradiance(hit.triangle, hit.barycentric, false, Part::Indirect).x;
-        let (a, b, c) = (e(&whole), e(&meshed), e(&pictured));
-        if a > 0.5 {
-            compared += 1;
-            // Sampled over the area where it has many triangles or a picture: noise of 16 rays an element.
-            assert!((b - a).abs() < 0.1 * a && (c - a).abs() < 0.1 * a, "{from}: {a}, {b}, {c}");
-        }
+        [&whole, &meshed, &pictured].map(e)
+    };
+    let found: Vec<[f32; 3]> = (0..200).map(at).collect();
+    let most = found.iter().map(|e| e[0]).fold(0.0, f32::max);
+    // Where the whole panel shows; sampled by 16 rays an element where it has many triangles or a picture.
+    let lit: Vec<_> = found.iter().filter(|e| e[0] > 0.7 * most).collect();
+    for [a, b, c] in &lit {
+        assert!((b - a).abs() < 0.1 * a && (c - a).abs() < 0.1 * a, "{a}, {b}, {c}");
     }
     let mean = |s: &RadiositySolution| luminance(s.indirect.iter().sum::<Vec3>()) / s.indirect.len() as f32;
     let [a, b, c] = [&whole, &meshed, &pictured].map(mean);
-    println!("{compared} points; means {a}, {b}, {c}");
-    assert!(compared > 50 && (b / a - 1.0).abs() < 0.01 && (c / a - 1.0).abs() < 0.01, "{a}, {b}, {c}");
+    println!("{} points; means {a}, {b}, {c}", lit.len());
+    assert!(lit.len() > 30 && (b / a - 1.0).abs() < 0.01 && (c / a - 1.0).abs() < 0.01, "{a}, {b}, {c}");
 }
 
 /// Errors against the path tracer at points of dull surfaces.

@@ -2,11 +2,11 @@
 
 use lumenscope_core::measure::{
     image::{mse, rel_mse},
-    reconstruction::{Reconstruction, Spot, reconstructions, shown, ways},
+    reconstruction::{Reconstruction, Spot, Way, reconstructions, shown, ways},
 };
 
 fn named<'a>(rows: &'a [Reconstruction], name: &str) -> &'a Reconstruction {
-    rows.iter().find(|r| r.name.ends_with(name)).unwrap_or_else(|| panic!("no way {name}"))
+    rows.iter().find(|r| r.way.name.ends_with(name)).unwrap_or_else(|| panic!("no way {name}"))
 }
 
 #[test]
@@ -17,7 +17,7 @@ fn bicubic_is_nearer_than_bilinear_from_five_by_five_samples() {
     for r in &rows {
         println!(
             "{:45} relMSE {:.6} perceptual {:.6} crease {:.4}",
-            r.name, r.rel_mse, r.perceptual, r.crease
+            r.way.name, r.rel_mse, r.perceptual, r.crease
         );
     }
     let bilinear = named(&rows, "samples, bilinear");
@@ -43,8 +43,8 @@ fn finer_samples_come_nearer_and_bicubic_faster() {
     let reference = Spot::default().picture();
     let error = |samples: u32, name: &str| {
         let ways = ways(&Spot::default(), samples);
-        let (_, texture, filter) = ways.iter().find(|w| w.0.ends_with(name)).expect("a way of this name");
-        mse(&shown(texture, *filter), &reference).expect("finite")
+        let way = ways.iter().find(|w| w.name.ends_with(name)).expect("a way of this name");
+        mse(&shown(&way.texture, way.filter), &reference).expect("finite")
     };
     let gain = |name: &str| error(9, name) / error(17, name);
     assert!((10.0..20.0).contains(&gain("samples, bilinear")), "{}", gain("samples, bilinear"));
@@ -55,7 +55,7 @@ fn finer_samples_come_nearer_and_bicubic_faster() {
 fn a_spot_narrower_than_the_spacing_is_beyond_both() {
     // A known limit: at a height of 0.15 of the side, 0.6 of a spacing, neither knows the spot's shape.
     let spot = Spot { height: 0.15, ..Spot::default() };
-    for (name, texture, filter) in ways(&spot, 5) {
+    for Way { name, texture, filter, .. } in ways(&spot, 5) {
         let picture = shown(&texture, filter);
         let error = rel_mse(&picture, &spot.picture()).expect("finite");
         assert!(error > 0.03, "{name}: {error}");

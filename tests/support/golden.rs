@@ -7,6 +7,7 @@
 use glam::Vec3;
 use lumenscope_core::{
     math::{frame::uniform_direction, random::Rng, sphere_map::DirectionBins},
+    measure::irradiance::points_on_surfaces,
     scene::{accel::Ray, direct::Receiver, geometry::Surface, import, world::World},
 };
 use std::{
@@ -41,24 +42,9 @@ pub fn shipped(path: &str) -> World {
     World::new(&import::load(&root.join(path)).expect("a shipped scene loads"))
 }
 
-/// Points on surfaces that can be seen: where random rays from random points of the scene's box end.
+/// Points on surfaces that can be seen.
 pub fn surface_points(world: &World, count: usize) -> Vec<Surface> {
-    let (low, high) = world.geometry.bounds();
-    (0..count as u64)
-        .map(|i| {
-            let mut rng = Rng::new(11, i);
-            loop {
-                let from = low + (high - low) * Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-                let direction = uniform_direction(rng.next_vec2());
-                if let Some(hit) = world.accel.trace(&Ray::new(from, direction)) {
-                    let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
-                    if world.geometry.is_lit(&surface) {
-                        return surface;
-                    }
-                }
-            }
-        })
-        .collect()
+    points_on_surfaces(world, count, 11)
 }
 
 /// Points in the open air, no quarter of whose rays meets a back, with random directions.

@@ -14,6 +14,7 @@ use lumenscope_core::{
     scene::{
         accel::Ray,
         direct::{self, Receiver},
+        geometry::Surface,
         world::World,
     },
     transport::LightTransportSolution,
@@ -106,9 +107,19 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::write(&options.out, &table::format_points(&points, &columns))
 }
 
-fn rgb_columns(values: &[Vec3]) -> Vec<Column> {
+/// Irradiance, lx.
+pub fn rgb_columns(values: &[Vec3]) -> Vec<Column> {
+    columns(["E_r", "E_g", "E_b"], values)
+}
+
+/// Standard errors, lx.
+pub fn error_columns(values: &[Vec3]) -> Vec<Column> {
+    columns(["stderr_r", "stderr_g", "stderr_b"], values)
+}
+
+fn columns(names: [&'static str; 3], values: &[Vec3]) -> Vec<Column> {
     let channel = |i: usize| values.iter().map(|v| v[i]).collect();
-    vec![("E_r", channel(0)), ("E_g", channel(1)), ("E_b", channel(2))]
+    names.into_iter().enumerate().map(|(i, name)| (name, channel(i))).collect()
 }
 
 fn reference_columns(
@@ -139,11 +150,16 @@ fn reference_columns(
             .collect::<Result<Vec<_>, _>>()
     })?;
     let mut columns = rgb_columns(&estimates.iter().map(|e| e.mean).collect::<Vec<_>>());
-    let errors: Vec<Vec3> = estimates.iter().map(|e| e.standard_error).collect();
-    for (i, name) in ["stderr_r", "stderr_g", "stderr_b"].into_iter().enumerate() {
-        columns.push((name, errors.iter().map(|e| e[i]).collect()));
-    }
+    columns.extend(error_columns(&estimates.iter().map(|e| e.standard_error).collect::<Vec<_>>()));
     Ok(columns)
+}
+
+/// The surface that a point lies on, seen from where its normal points.
+pub fn surface_under(world: &World, point: &PointRow) -> Option<Surface> {
+    let from = point.position + point.normal * ON_SURFACE_M;
+    let ray = Ray { t_max: 2.0 * ON_SURFACE_M, ..Ray::new(from, -point.normal) };
+    let hit = world.accel.trace(&ray)?;
+    Some(world.geometry.surface(hit.triangle, hit.barycentric, ray.direction))
 }
 
 /// Direct light at the point itself, indirect light from the element under it, as a picture's pixels do.
@@ -155,18 +171,13 @@ fn radiosity(
     let world = &solution.world;
     let mut values = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
-        let ray = Ray {
-            t_max: 2.0 * ON_SURFACE_M,
-            ..Ray::new(point.position + point.normal * ON_SURFACE_M, -point.normal)
-        };
-        let Some(hit) = world.accel.trace(&ray) else {
+        let Some(surface) = surface_under(world, point) else {
             bail!(
                 "point {} at {} lies on no surface (none within {ON_SURFACE_M} m): use --method volume",
                 i + 1,
                 point.position
             );
         };
-        let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
         let mut value = Vec3::ZERO;
         if part != Part::Indirect {
             let receiver = Receiver {
@@ -177,8 +188,8 @@ fn radiosity(
             value += direct::total_irradiance(world, &receiver, 64, i as u32);
         }
         if part != Part::Direct {
-            value +=
-                solution.radiosity.irradiance(hit.triangle, hit.barycentric, surface.back, Part::Indirect);
+            let Surface { triangle, barycentric, back, .. } = surface;
+            value += solution.radiosity.irradiance(triangle, barycentric, back, Part::Indirect);
         }
         values.push(value);
     }

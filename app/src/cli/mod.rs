@@ -1,6 +1,7 @@
 //! The command line: one binary, one subcommand a job, one clear line when something is wrong.
 
 mod bake;
+mod chart;
 mod compare;
 mod copies;
 mod cost;
@@ -16,6 +17,7 @@ mod page;
 pub mod panorama;
 pub mod placement;
 mod placement_map;
+mod plot;
 mod probe;
 mod radial_svg;
 mod reference;
@@ -118,6 +120,9 @@ enum Job {
     /// Difference of two EXR pictures in numbers and images.
     #[command(after_help = "Example: lumenscope compare out/layers.exr ref.exr --out difference")]
     Compare(compare::Options),
+    /// Seconds against error: every method at many settings, held to the path tracer.
+    #[command(after_help = "Example: lumenscope chart scenes/office/office.ron --out out")]
+    Chart(chart::Options),
     /// Replay a recorded drag, timing every step.
     #[command(
         after_help = "Example: lumenscope replay scenes/office/office.ron --script scenes/office/drag.ron --out out"
@@ -176,6 +181,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Panoramas(options)) => panorama::volume(&options),
         Some(Job::Reference(options)) => reference::run(&options, common),
         Some(Job::Compare(options)) => compare::run(&options),
+        Some(Job::Chart(options)) => chart::run(&options, common),
         Some(Job::Replay(options)) => replay::run(&options, common),
         Some(Job::Lightmap(options)) => lightmap::run(&options, common),
         Some(Job::Bake(options)) => bake::run(&options, common),

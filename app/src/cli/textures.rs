@@ -2,6 +2,7 @@
 
 use super::{
     page::{INK, Page},
+    plot::{Panel, Plot},
     solve,
 };
 use anyhow::bail;
@@ -37,13 +38,17 @@ pub struct Options {
     /// Samples a side, a power of two plus 1, from 3 to 257; several with commas.
     #[arg(long, default_value = "5", value_delimiter = ',')]
     samples: Vec<u32>,
+    /// Subdivision depths of the chart, 1 to 6: 3, 5, 9, 17, 33 and 65 samples a side; 0 draws none.
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(..=6))]
+    depths: u32,
     /// Height of the lamp over the square, in sides of it: the size of the spot.
     #[arg(long, default_value_t = Spot::default().height)]
     height: f32,
 }
 
 /// Prints the table; writes `table.csv`, and for each number of samples `textures_N.exr` with what is shown
-/// and `sheet_N.png` with textures, pictures, differences and second differences.
+/// and `sheet_N.png` with textures, pictures, differences and second differences; and `depths.csv`, `.svg` and
+/// `.png` with error against texels and seconds over the depth of subdivision.
 ///
 /// # Errors
 /// One line naming the cause.
@@ -56,39 +61,101 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     solve::output_folder(&options.out)?;
     let spot = Spot { height: options.height, ..Spot::default() };
-    let mut csv = String::from("samples,way,texels,mse_lx2,rel_mse,smape,flip,perceptual,crease_lx\n");
+    let mut csv = String::from(HEADER);
     for &samples in &options.samples {
         let rows = reconstructions(&spot, samples)?;
         println!("{samples} x {samples} samples of a spot, height {} of the side", spot.height);
-        println!(
-            "{:<42} {:>7} {:>9} {:>9} {:>7} {:>7} {:>10} {:>8}",
-            "way", "texels", "MSE lx2", "relMSE", "sMAPE", "FLIP", "perceptual", "crease"
-        );
+        header();
         for r in &rows {
-            let (name, texels) = (&r.name, texels(r));
-            let numbers @ [mse, rel_mse, smape, flip, perceptual, crease] =
-                [r.mse, r.rel_mse, r.smape, r.flip, r.perceptual, r.crease];
-            println!(
-                "{name:<42} {texels:>7} {mse:>9.2} {rel_mse:>9.6} {smape:>7.5} {flip:>7.5} {perceptual:>10.6} \
-                 {crease:>8.4}"
-            );
-            let numbers = numbers.map(|n| n.to_string()).join(",");
-            let _ = writeln!(csv, "{samples},\"{name}\",{texels},{numbers}");
+            row(&mut csv, samples, r);
         }
         let reference = spot.picture();
         let mut layers: Vec<(String, &LinearImage)> = vec![("reference".into(), &reference)];
-        layers.extend(rows.iter().map(|r| (r.name.replace([' ', ','], "_"), &r.picture)));
+        layers.extend(rows.iter().map(|r| (r.way.name.replace([' ', ','], "_"), &r.picture)));
         let layers: Vec<(&str, &LinearImage)> = layers.iter().map(|(n, i)| (n.as_str(), *i)).collect();
         exr::write_layers(&options.out.join(format!("textures_{samples}.exr")), &layers, "irradiance, lx")?;
         let page = sheet(&spot, &reference, &rows);
         let path = options.out.join(format!("sheet_{samples}.png"));
         png::write_png(&path, page.width as u32, page.height as u32, &page.pixels)?;
     }
-    solve::write(&options.out.join("table.csv"), &csv)
+    solve::write(&options.out.join("table.csv"), &csv)?;
+    if options.depths > 0 { depths(options, &spot) } else { Ok(()) }
+}
+
+const HEADER: &str =
+    "samples,way,texels,build_seconds,show_seconds,mse_lx2,rel_mse,smape,flip,perceptual,crease_lx\n";
+
+fn header() {
+    println!(
+        "{:<42} {:>7} {:>9} {:>9} {:>7} {:>7} {:>10} {:>8} {:>8} {:>8}",
+        "way", "texels", "MSE lx2", "relMSE", "sMAPE", "FLIP", "perceptual", "crease", "build ms", "show ms"
+    );
+}
+
+/// Prints a way and adds it to a table.
+fn row(csv: &mut String, samples: u32, r: &Reconstruction) {
+    let (name, texels) = (&r.way.name, texels(r));
+    let seconds = [r.way.build_seconds, r.show_seconds];
+    let numbers @ [mse, rel_mse, smape, flip, perceptual, crease] =
+        [r.mse, r.rel_mse, r.smape, r.flip, r.perceptual, r.crease];
+    let [build, show] = seconds.map(|s| 1e3 * s);
+    println!(
+        "{name:<42} {texels:>7} {mse:>9.2} {rel_mse:>9.2e} {smape:>7.5} {flip:>7.5} {perceptual:>10.6} {crease:>8.4} \
+         {build:>8.2} {show:>8.2}"
+    );
+    let numbers = seconds.iter().chain(&numbers).map(f64::to_string).collect::<Vec<_>>().join(",");
+    let _ = writeln!(csv, "{samples},\"{name}\",{texels},{numbers}");
+}
+
+/// Every way at every depth of subdivision, as table and chart.
+fn depths(options: &Options, spot: &Spot) -> anyhow::Result<()> {
+    let mut csv = String::from(HEADER);
+    let mut lines: Vec<(String, Vec<Reconstruction>)> = Vec::new();
+    for depth in 1..=options.depths {
+        let samples = (1 << depth) + 1;
+        println!("depth {depth}: {samples} x {samples} samples");
+        header();
+        for r in reconstructions(spot, samples)? {
+            row(&mut csv, samples, &r);
+            let r = Reconstruction { picture: LinearImage::new(0, 0), ..r };
+            match lines.iter_mut().find(|(kind, _)| *kind == r.way.kind) {
+                Some((_, line)) => line.push(r),
+                None => lines.push((r.way.kind.clone(), vec![r])),
+            }
+        }
+    }
+    solve::write(&options.out.join("depths.csv"), &csv)?;
+    type Number = fn(&Reconstruction) -> f64;
+    let panel = |title: &str, axes: [&str; 2], x: Number, y: Number| Panel {
+        title: title.into(),
+        axes: axes.map(String::from),
+        lines: lines.iter().map(|(_, line)| line.iter().map(|r| [x(r), y(r)]).collect()).collect(),
+        level: None,
+        front: true,
+    };
+    let seconds: Number = |r| r.way.build_seconds + r.show_seconds;
+    let plot = Plot {
+        title: format!(
+            "Reconstructions of a bright spot, height {} of the side, from 3 x 3 samples on: a point a depth, 1 to {}",
+            spot.height, options.depths
+        ),
+        names: lines.iter().map(|(kind, _)| kind.clone()).collect(),
+        panels: vec![
+            panel("error against memory", ["texels", "relMSE"], |r| texels(r) as f64, |r| r.rel_mse),
+            panel(
+                "error against time",
+                ["building and showing 513 x 513 points, s", "relMSE"],
+                seconds,
+                |r| r.rel_mse,
+            ),
+            panel("creases against memory", ["texels", "crease, lx"], |r| texels(r) as f64, |r| r.crease),
+        ],
+    };
+    plot.write(&options.out, "depths")
 }
 
 fn texels(r: &Reconstruction) -> usize {
-    r.texture.image.pixels.len()
+    r.way.texture.image.pixels.len()
 }
 
 /// The reference, then a row a way: its texels, what is shown, the difference and the second difference.
@@ -129,7 +196,7 @@ fn sheet(spot: &Spot, reference: &LinearImage, rows: &[Reconstruction]) -> Page 
     };
     row(0, &|p| spot.irradiance(p), reference, &["reference".into()]);
     for (i, r) in rows.iter().enumerate() {
-        let (name, way) = r.name.split_once(", ").unwrap_or((&r.name, ""));
+        let (name, way) = r.way.name.split_once(", ").unwrap_or((&r.way.name, ""));
         let words = [
             name.to_owned(),
             way.to_owned(),
@@ -137,7 +204,7 @@ fn sheet(spot: &Spot, reference: &LinearImage, rows: &[Reconstruction]) -> Page 
             format!("perceptual {:.5}", r.perceptual),
             format!("FLIP {:.4}   crease {:.3} lx", r.flip, r.crease),
         ];
-        row(i + 1, &|p| r.texture.sample(p, Filter::Nearest), &r.picture, &words);
+        row(i + 1, &|p| r.way.texture.sample(p, Filter::Nearest), &r.picture, &words);
     }
     page
 }

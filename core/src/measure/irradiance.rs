@@ -1,8 +1,34 @@
 //! How far irradiances at a list of points are from their reference.
 
 use super::{MeasureError, check_values};
-use crate::math::{colour::luminance, relative::floor_of};
+use crate::{
+    math::{colour::luminance, frame::uniform_direction, random::Rng, relative::floor_of},
+    scene::{accel::Ray, geometry::Surface, world::World},
+};
 use glam::Vec3;
+use rayon::prelude::*;
+
+/// Rays tried for each point that is wanted, before a scene counts as having no lit surface.
+const MOST_TRIES: usize = 10_000;
+
+/// Points on surfaces that can be seen: where random rays from random points of the scene's box end on a side that
+/// light falls on; fewer than `count` where hardly any does.
+pub fn points_on_surfaces(world: &World, count: usize, seed: u64) -> Vec<Surface> {
+    let (low, high) = world.geometry.bounds();
+    (0..count as u64)
+        .into_par_iter()
+        .filter_map(|i| {
+            let mut rng = Rng::new(seed, i);
+            (0..MOST_TRIES).find_map(|_| {
+                let from = low + (high - low) * Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+                let direction = uniform_direction(rng.next_vec2());
+                let hit = world.accel.trace(&Ray::new(from, direction))?;
+                let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
+                world.geometry.is_lit(&surface).then_some(surface)
+            })
+        })
+        .collect()
+}
 
 /// Relative errors over a list of points, as fractions.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -3,12 +3,14 @@
 //! Several numbers and not one: squared errors weigh fireflies, relative ones weigh shadows, FLIP and
 //! the perceptual difference weigh what is seen, signed ones tell bias from noise.
 
+pub mod chart;
 pub mod grid_texture;
 pub mod image;
 pub mod irradiance;
 pub mod perceptual;
 pub mod reconstruction;
 pub mod significance;
+pub mod sweep;
 pub mod volume;
 
 use crate::math::image::LinearImage;

@@ -17,6 +17,7 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// Points a side of the picture that is judged.
 pub const REFERENCE_SIDE: u32 = 513;
@@ -60,11 +61,11 @@ impl Spot {
 #[derive(Clone, Debug)]
 pub struct Reconstruction {
     /// What was done.
-    pub name: String,
-    /// Its texture.
-    pub texture: RadiosityTexture,
+    pub way: Way,
     /// What is shown, lx.
     pub picture: LinearImage,
+    /// Looking it up at every point of the picture, s.
+    pub show_seconds: f64,
     /// Mean squared error, lx².
     pub mse: f64,
     /// Relative mean squared error.
@@ -79,8 +80,20 @@ pub struct Reconstruction {
     pub crease: f64,
 }
 
-/// One way of reconstruction: name, texture and how it is looked up.
-pub type Way = (String, RadiosityTexture, Filter);
+/// One way of reconstruction.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// What is done, whatever the number of samples.
+    pub kind: String,
+    /// The same with numbers of samples and texels.
+    pub name: String,
+    /// What it makes of the samples.
+    pub texture: RadiosityTexture,
+    /// How that is looked up.
+    pub filter: Filter,
+    /// Time from samples to texture, s.
+    pub build_seconds: f64,
+}
 
 /// Every way of reconstruction from `samples` × `samples` vertex samples of a spot, samples being a power of
 /// two plus 1: displayed bilinearly; stage 1 alone; and stage 1 resampled to twice as many texels, displayed
@@ -91,35 +104,47 @@ pub type Way = (String, RadiosityTexture, Filter);
 pub fn ways(spot: &Spot, samples: u32) -> Vec<Way> {
     assert!(is_sampling(samples), "{samples} samples a side");
     let last = (samples - 1) as f32;
-    let texels: Vec<Option<Vec3>> = (0..samples * samples)
-        .map(|i| Some(spot.irradiance(UVec2::new(i % samples, i / samples).as_vec2() / last)))
+    let pixels: Vec<Vec3> = (0..samples * samples)
+        .map(|i| spot.irradiance(UVec2::new(i % samples, i / samples).as_vec2() / last))
         .collect();
-    let sampled = RadiosityTexture::at_vertices(LinearImage {
-        width: samples,
-        height: samples,
-        pixels: texels.iter().copied().flatten().collect(),
-    });
-    let surface = HermiteSurface::new(Shape::Quadrilateral, &Gaps { side: samples, texels });
-    let doubled = surface.resampled(2 * (samples - 1));
-    let side = doubled.image.width;
-    let mut ways = vec![
-        (format!("{samples} x {samples} samples, nearest"), sampled.clone(), Filter::Nearest),
-        (format!("{samples} x {samples} samples, bilinear"), sampled.clone(), Filter::Bilinear),
-        (format!("{samples} x {samples} samples, Mitchell"), sampled, Filter::Mitchell),
-        ("Hermite".into(), surface.resampled(REFERENCE_SIDE), Filter::Bilinear),
-        (format!("Hermite {side} x {side}, bilinear"), doubled.clone(), Filter::Bilinear),
-        (format!("Hermite {side} x {side}, Mitchell"), doubled.clone(), Filter::Mitchell),
-    ];
-    ways.extend((2..=WIDEST).map(|width| {
-        let name = format!("Hermite {side} x {side}, Gauss {width} x {width}, bilinear");
-        (name, gaussian(&doubled, width), Filter::Bilinear)
-    }));
-    let name = format!("Hermite {side} x {side}, Gauss adaptive, bilinear");
-    ways.push((name, adaptive(&doubled, ADAPTIVE_TOLERANCE), Filter::Bilinear));
+    let gaps = Gaps { side: samples, texels: pixels.iter().copied().map(Some).collect() };
+    let sampled = || {
+        let image = LinearImage { width: samples, height: samples, pixels: pixels.clone() };
+        RadiosityTexture::at_vertices(image)
+    };
+    let surface = || HermiteSurface::new(Shape::Quadrilateral, &gaps);
+    let side = 2 * (samples - 1);
+    let doubled = || surface().resampled(side);
+    let mut ways = Vec::new();
+    let mut add = |size: u32, kind: String, filter, make: &dyn Fn() -> RadiosityTexture| {
+        let start = Instant::now();
+        let texture = make();
+        let build_seconds = start.elapsed().as_secs_f64();
+        let name = match kind.strip_prefix("Hermite, ") {
+            Some(rest) => format!("Hermite {size} x {size}, {rest}"),
+            None if kind == "Hermite" => kind.clone(),
+            None => format!("{size} x {size} {kind}"),
+        };
+        ways.push(Way { kind, name, texture, filter, build_seconds });
+    };
+    for (kind, filter) in
+        [("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear), ("Mitchell", Filter::Mitchell)]
+    {
+        add(samples, format!("samples, {kind}"), filter, &sampled);
+    }
+    add(REFERENCE_SIDE, "Hermite".into(), Filter::Bilinear, &|| surface().resampled(REFERENCE_SIDE));
+    add(side, "Hermite, bilinear".into(), Filter::Bilinear, &doubled);
+    add(side, "Hermite, Mitchell".into(), Filter::Mitchell, &doubled);
+    for width in 2..=WIDEST {
+        let kind = format!("Hermite, Gauss {width} x {width}, bilinear");
+        add(side, kind, Filter::Bilinear, &|| gaussian(&doubled(), width));
+    }
+    let kind = "Hermite, Gauss adaptive, bilinear".into();
+    add(side, kind, Filter::Bilinear, &|| adaptive(&doubled(), ADAPTIVE_TOLERANCE));
     ways
 }
 
-/// Every one of [`ways`], judged.
+/// Every one of [`ways`], judged; one after the other where it is timed.
 ///
 /// # Errors
 /// [`MeasureError`] if the light is not finite.
@@ -128,10 +153,15 @@ pub fn ways(spot: &Spot, samples: u32) -> Vec<Way> {
 /// As [`ways`].
 pub fn reconstructions(spot: &Spot, samples: u32) -> Result<Vec<Reconstruction>, MeasureError> {
     let reference = spot.picture();
-    ways(spot, samples)
-        .into_par_iter()
-        .map(|(name, texture, filter)| judged(name, texture, filter, &reference))
-        .collect()
+    let shown_ways: Vec<(Way, LinearImage, f64)> = ways(spot, samples)
+        .into_iter()
+        .map(|way| {
+            let start = Instant::now();
+            let picture = shown(&way.texture, way.filter);
+            (way, picture, start.elapsed().as_secs_f64())
+        })
+        .collect();
+    shown_ways.into_par_iter().map(|shown| judged(shown, &reference)).collect()
 }
 
 /// What is shown of a texture, lx; never negative.
@@ -145,12 +175,9 @@ pub fn is_sampling(samples: u32) -> bool {
 }
 
 fn judged(
-    name: String,
-    texture: RadiosityTexture,
-    filter: Filter,
+    (way, picture, show_seconds): (Way, LinearImage, f64),
     reference: &LinearImage,
 ) -> Result<Reconstruction, MeasureError> {
-    let picture = shown(&texture, filter);
     let white = reference.pixels.iter().map(|p| p.max_element()).fold(f32::MIN_POSITIVE, f32::max);
     let eye = image::PIXELS_PER_DEGREE;
     Ok(Reconstruction {
@@ -160,9 +187,9 @@ fn judged(
         flip: image::flip(&picture, reference, 1.0 / white, eye)?.mean,
         perceptual: perceptual::difference(&picture, reference, eye)?,
         crease: image::mse(&image::second_difference(&picture), &image::second_difference(reference))?.sqrt(),
-        name,
-        texture,
+        way,
         picture,
+        show_seconds,
     })
 }
 

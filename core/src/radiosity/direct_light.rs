@@ -89,7 +89,7 @@ impl EmitterLight {
                     let first = first_of(stride, element, seed32);
                     let scramble = hash2(element as u32, seed32 ^ 0x51EC);
                     let (sum, squares) = lobes.irradiance(world, &full, seen, (first, stride), scramble);
-                    let rays = transport.rays.max(1) as f32;
+                    let rays = transport.row(element as u32).len().max(1) as f32;
                     (by_images + sum / rays, squares / (rays * rays))
                 })?;
         }

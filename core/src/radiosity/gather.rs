@@ -33,15 +33,18 @@ use crate::{
 };
 use glam::{Mat3, Vec3, Vec3A};
 use rayon::prelude::*;
+use std::{collections::BTreeMap, ops::Range};
 
 /// What every element sees.
 #[derive(Clone, Debug, Default)]
 pub struct Transport {
     /// Where the elements are.
     pub map: SurfaceMap,
-    /// `rays` hits an element: element numbers, or the number of elements where a ray meets nothing that reflects.
+    /// Hits of all elements: element numbers, or the number of elements where a ray meets nothing that reflects.
     pub hits: Vec<u32>,
-    /// Rays an element.
+    /// Stretch of `hits` that is each element's; empty where it is not solved.
+    rows: Vec<Range<usize>>,
+    /// Rays an element; twice as many a level on the coarser nodes of quadtrees.
     pub rays: u32,
     /// Largest row sum of transport times reflectance, per channel: how much a sweep can amplify.
     pub norm: Vec3,
@@ -70,10 +73,10 @@ pub(super) struct Gathering {
     seed: u64,
     /// Grid nodes and vertex elements as they were hit, solved or not.
     hits: Vec<u32>,
+    /// Stretch of `hits` that is each element's; empty where its rays are not cast.
+    rows: Vec<Range<usize>>,
     lobes: Lobes,
     seen: Vec<Option<Box<Seen>>>,
-    /// Elements whose rays are cast.
-    done: Vec<bool>,
     buried: Vec<bool>,
 }
 
@@ -89,12 +92,12 @@ impl Gathering {
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, RadiosityError> {
-        let (count, rays) = (map.elements.len(), rays.max(1));
+        let count = map.elements.len();
         let mut gathering = Self {
-            rays,
+            rays: rays.max(1),
             seed,
-            hits: vec![count as u32; count * rays as usize],
-            done: vec![false; count],
+            hits: Vec::new(),
+            rows: vec![0..0; count],
             buried: vec![false; count],
             lobes: Lobes::new(world),
             seen: Vec::new(),
@@ -108,42 +111,62 @@ impl Gathering {
         Ok(gathering)
     }
 
+    /// Rays of an element: on quadtrees twice as many for each level that its leaf is above the finest. It
+    /// stands for four times the area, and what noise is left is blurred over as much more.
+    fn rays_of(&self, element: u32) -> u32 {
+        let tree = self.map.trees.get(self.map.elements[element as usize].chart as usize);
+        let above = tree.and_then(Option::as_ref).map_or(0, |tree| {
+            tree.root[0].max(tree.root[1]).ilog2().saturating_sub(self.map.levels[element as usize].into())
+        });
+        self.rays << above
+    }
+
     /// Casts rays from the elements that are to be solved and have none yet.
     fn cast(&mut self, world: &World, progress: &Progress) -> Result<(), RadiosityError> {
         // Between two looks at whether the user gave up.
         const RAYS_A_BLOCK: usize = 1 << 18;
-        let (rays, count) = (self.rays as usize, self.map.elements.len());
-        let block = (RAYS_A_BLOCK / rays).clamp(16, 1024);
-        let (map, seed, lobes) = (&self.map, self.seed, &self.lobes);
-        for first in (0..count).step_by(block) {
-            progress.report(first as f32 / count as f32)?;
-            let range = first..(first + block).min(count);
-            let rows = self.hits[first * rays..range.end * rays].par_chunks_mut(rays);
-            let states = self.buried[range.clone()].par_iter_mut().zip(&mut self.done[range.clone()]);
-            let cast = |i: usize, row: &mut [u32], (buried, done): (&mut bool, &mut bool)| {
-                let element = first + i;
-                let mut seen = Seen::default();
-                if map.elements[element].flags & UNSOLVED == 0 && !*done {
-                    *buried = gather_row(world, map, lobes, element as u32, seed, (row, &mut seen));
-                    *done = true;
-                }
-                seen
-            };
-            if lobes.any() {
-                let all = rows.zip(states).zip(&mut self.seen[range]).enumerate();
-                all.for_each(|(i, ((row, states), known))| {
-                    let seen = cast(i, row, states);
+        let count = self.map.elements.len() as u32;
+        let mut by_rays: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for element in 0..count {
+            let i = element as usize;
+            if self.map.elements[i].flags & UNSOLVED == 0 && self.rows[i].is_empty() {
+                by_rays.entry(self.rays_of(element)).or_default().push(element);
+            }
+        }
+        let all = by_rays.values().map(Vec::len).sum::<usize>();
+        self.hits.reserve_exact(by_rays.iter().map(|(rays, list)| *rays as usize * list.len()).sum());
+        let mut done = 0;
+        for (rays, list) in by_rays {
+            let rays = rays as usize;
+            for block in list.chunks((RAYS_A_BLOCK / rays).clamp(16, 1024)) {
+                progress.report(done as f32 / all as f32)?;
+                done += block.len();
+                let first = self.hits.len();
+                self.hits.resize(first + rays * block.len(), count);
+                let (map, lobes, seed) = (&self.map, &self.lobes, self.seed);
+                let cast = |(row, &element): (&mut [u32], &u32)| {
+                    let mut seen = Seen::default();
+                    let buried = gather_row(world, map, lobes, element, seed, (row, &mut seen));
+                    (buried, seen)
+                };
+                let found: Vec<(bool, Seen)> =
+                    self.hits[first..].par_chunks_mut(rays).zip(block).map(cast).collect();
+                for (k, (&element, (buried, seen))) in block.iter().zip(found).enumerate() {
+                    let element = element as usize;
+                    self.rows[element] = first + k * rays..first + (k + 1) * rays;
+                    self.buried[element] = buried;
                     if seen.bytes() > 0 {
-                        *known = Some(Box::new(seen));
+                        self.seen[element] = Some(Box::new(seen));
                     }
-                });
-            } else {
-                rows.zip(states).enumerate().for_each(|(i, (row, states))| {
-                    cast(i, row, states);
-                });
+                }
             }
         }
         Ok(())
+    }
+
+    /// Hits of one element, before those on nodes that are not solved are lent.
+    pub fn row(&self, element: usize) -> &[u32] {
+        &self.hits[self.rows[element].clone()]
     }
 
     /// Splits the leaves of a level that `wanted` names by their corners, and casts rays from what is new;
@@ -155,12 +178,13 @@ impl Gathering {
         &mut self,
         world: &World,
         level: u8,
-        wanted: impl Fn(&[usize], f32) -> bool,
+        wanted: impl Fn(&[usize], [f32; 2]) -> bool,
         progress: &Progress,
     ) -> Result<bool, RadiosityError> {
         let buried = &self.buried;
-        let open =
-            |corners: &[usize], side: f32| corners.iter().any(|c| !buried[*c]) && wanted(corners, side);
+        let open = |corners: &[usize], sides: [f32; 2]| {
+            corners.iter().any(|c| !buried[*c]) && wanted(corners, sides)
+        };
         let grown = self.map.subdivide(level, open);
         if grown {
             progress.begin("subdividing");
@@ -171,15 +195,15 @@ impl Gathering {
 
     /// The transport of what was chosen.
     pub fn transport(self, world: &World) -> Transport {
-        let Self { mut map, mut hits, rays, buried, lobes, mut seen, .. } = self;
+        let Self { mut map, mut hits, rows, rays, buried, lobes, mut seen, .. } = self;
         mark_rims(&mut map, &buried);
         let between = map.between();
         if !between.is_empty() {
             map.weigh(&world.geometry, &between);
         }
         let fills = fills(&map, between);
-        redirect(&mut map, &mut hits, &mut seen, &fills);
-        let mut transport = Transport { map, hits, rays, norm: Vec3::ZERO, lobes, seen, fills };
+        redirect(&mut map, (&mut hits, &rows), &mut seen, &fills);
+        let mut transport = Transport { map, hits, rows, rays, norm: Vec3::ZERO, lobes, seen, fills };
         let reflectance: Vec<Vec3> = transport.map.elements.iter().map(|e| e.reflectance).collect();
         transport.norm = transport.gather(&reflectance).into_iter().fold(Vec3::ZERO, Vec3::max);
         transport
@@ -210,27 +234,27 @@ impl Transport {
         assert_eq!(values.len(), self.map.elements.len(), "one value an element");
         let padded: Vec<Vec3A> =
             values.iter().map(|v| Vec3A::from(*v)).chain(std::iter::once(Vec3A::ZERO)).collect();
-        let scale = 1.0 / self.rays.max(1) as f32;
-        self.hits
-            .par_chunks(self.rays.max(1) as usize)
+        self.rows
+            .par_iter()
             .with_min_len(64)
             .enumerate()
             .map(|(element, row)| {
-                let mut sum = row.iter().fold(Vec3A::ZERO, |sum, &hit| sum + padded[hit as usize]);
+                let hits = &self.hits[row.clone()];
+                let mut sum = hits.iter().fold(Vec3A::ZERO, |sum, &hit| sum + padded[hit as usize]);
                 if let Some(Some(seen)) = self.seen.get(element) {
                     let by_lobes = seen.elements.iter();
                     sum += by_lobes
                         .map(|&(hit, share)| padded[hit as usize] * Vec3A::from(share))
                         .sum::<Vec3A>();
                 }
-                Vec3::from(sum * scale)
+                Vec3::from(sum * (1.0 / hits.len().max(1) as f32))
             })
             .collect()
     }
 
     /// Hits of one element.
     pub fn row(&self, element: u32) -> &[u32] {
-        &self.hits[element as usize * self.rays as usize..][..self.rays as usize]
+        &self.hits[self.rows[element as usize].clone()]
     }
 
     /// Gives unsolved elements the mean of their solved neighbours.
@@ -246,7 +270,7 @@ impl Transport {
     pub fn bytes(&self) -> usize {
         let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 8 * f.sources.len()).sum();
         let seen: usize = self.seen.iter().map(|s| 8 + s.as_ref().map_or(0, |s| s.bytes())).sum();
-        self.map.bytes() + 4 * self.hits.len() + fills + seen
+        self.map.bytes() + 4 * self.hits.len() + size_of_val(&self.rows[..]) + fills + seen
     }
 }
 
@@ -351,7 +375,7 @@ fn neighbours(chart: &Chart, node: usize, stride: [usize; 2]) -> impl Iterator<I
 }
 
 /// Where unsolved nodes take their light from: between corners of leaves from those, then layer by layer
-/// outwards from what has light.
+/// outwards from what has light. Buried nodes keep their darkness, and lend none.
 fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
     let mut lit: Vec<bool> = map.elements.iter().map(|e| e.flags & UNSOLVED == 0).collect();
     let mut fills: Vec<Fill> = Vec::new();
@@ -362,9 +386,10 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
     for chart in &map.charts {
         let first = chart.first_element as usize;
         let count = (chart.nx * chart.ny) as usize;
-        let mut known = lit[first..first + count].to_vec();
-        let mut open: Vec<usize> = (0..count).filter(|&i| !known[i]).collect();
-        while !open.is_empty() && open.len() < count {
+        let buried = |i: usize| map.elements[first + i].flags & BURIED != 0;
+        let mut known: Vec<bool> = (0..count).map(|i| lit[first + i] && !buried(i)).collect();
+        let mut open: Vec<usize> = (0..count).filter(|&i| !known[i] && !buried(i)).collect();
+        loop {
             let mut layer = Vec::new();
             open.retain(|&i| {
                 let sources: Vec<u32> =
@@ -377,6 +402,10 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
                 }
                 !found
             });
+            // All are filled, or what is left lies among buried nodes alone.
+            if layer.is_empty() {
+                break;
+            }
             for i in layer {
                 known[i] = true;
             }
@@ -387,7 +416,12 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
 
 /// Hits on unsolved elements go to a solved one that lends it light, drawn with its weight; areas are
 /// divided by the weights.
-fn redirect(map: &mut SurfaceMap, hits: &mut [u32], seen: &mut [Option<Box<Seen>>], fills: &[Fill]) {
+fn redirect(
+    map: &mut SurfaceMap,
+    (hits, rows): (&mut [u32], &[Range<usize>]),
+    seen: &mut [Option<Box<Seen>>],
+    fills: &[Fill],
+) {
     if fills.is_empty() {
         return;
     }
@@ -417,7 +451,10 @@ fn redirect(map: &mut SurfaceMap, hits: &mut [u32], seen: &mut [Option<Box<Seen>
             step += 1;
         }
     };
-    hits.par_iter_mut().enumerate().with_min_len(4096).for_each(|(place, hit)| lend(hit, place as u32));
+    for (element, row) in rows.iter().enumerate() {
+        let first = (element * row.len()) as u32;
+        hits[row.clone()].iter_mut().zip(first..).for_each(|(hit, place)| lend(hit, place));
+    }
     seen.par_iter_mut().enumerate().for_each(|(element, seen)| {
         for (i, (hit, _)) in seen.iter_mut().flat_map(|s| &mut s.elements).enumerate() {
             lend(hit, hash2(element as u32, i as u32));

@@ -140,7 +140,8 @@ pub fn links(solution: &RadiositySolution, element: u32) -> Option<InspectionSce
     let mut given: BTreeMap<u32, f32> = BTreeMap::new();
     for &hit in transport.row(nearest as u32) {
         if let Some(radiosity) = solution.radiosity().get(hit as usize) {
-            *given.entry(hit).or_default() += luminance(*radiosity) / transport.rays as f32;
+            *given.entry(hit).or_default() +=
+                luminance(*radiosity) / transport.row(nearest as u32).len() as f32;
         }
     }
     let sum: f32 = given.values().sum();

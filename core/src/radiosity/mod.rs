@@ -53,7 +53,7 @@ use lookup::{Lookup, SideMap};
 use rayon::prelude::*;
 use solve::{Convergence, weighted_sum};
 use std::sync::Arc;
-use subdivide::Subdivision;
+use subdivide::{Draft, Subdivision};
 use surface_map::{Element, SurfaceMap};
 
 /// What a solve is made with.
@@ -183,16 +183,19 @@ impl RadiositySolution {
         let levels = settings.subdivision.map_or(0, |s| s.levels.min(subdivide::MOST_LEVELS));
         let map = SurfaceMap::subdivided(&world.geometry, settings.element_spacing_m, levels)?;
         let mut gathering = Gathering::new(world, map, settings.gather_rays, settings.seed, progress)?;
-        for level in 0..levels {
-            let draft = RadiositySettings {
+        if let Some(subdivision) = settings.subdivision.filter(|_| levels > 0) {
+            let coarse = RadiositySettings {
                 shadow_rays: settings.shadow_rays.min(DRAFT_SHADOW_RAYS),
                 tolerance: settings.tolerance.max(DRAFT_TOLERANCE),
                 ..*settings
             };
-            let draft = Self::light(world, Arc::new(gathering.clone().transport(world)), &draft, progress)?;
-            let Some(subdivision) = &settings.subdivision else { break };
-            if !gathering.subdivide(world, level, subdivide::asks(&draft, subdivision), progress)? {
-                break;
+            let transport = Arc::new(gathering.clone().transport(world));
+            let draft = Draft::new(&Self::light(world, transport, &coarse, progress)?);
+            for level in 0..levels {
+                let asks = draft.asks(&gathering, &subdivision);
+                if !gathering.subdivide(world, level, asks, progress)? {
+                    break;
+                }
             }
         }
         let transport = gathering.transport(world);

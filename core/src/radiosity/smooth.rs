@@ -23,17 +23,19 @@ const BINOMIAL: [f32; 3] = [6.0, 4.0, 1.0];
 /// arrives by way of lobes, each way of which is taken to be alone on its ray.
 pub fn variances(transport: &Transport, values: &[Vec3]) -> Vec<f32> {
     let padded: Vec<f32> = values.iter().map(|v| luminance(*v)).chain(std::iter::once(0.0)).collect();
-    let n = transport.rays.max(1) as usize;
-    let rows = transport.hits.par_chunks(n).with_min_len(64).enumerate();
-    rows.map(|(element, row)| {
-        let mean = row.iter().map(|&hit| padded[hit as usize]).sum::<f32>() / n as f32;
-        let squares: f32 = row.iter().map(|&hit| (padded[hit as usize] - mean).powi(2)).sum();
-        let seen = transport.seen.get(element).and_then(|s| s.as_deref());
-        let by_lobes = seen.into_iter().flat_map(|s| &s.elements);
-        let ways = by_lobes.map(|&(hit, share)| (padded[hit as usize] * luminance(share)).powi(2));
-        (squares + ways.sum::<f32>()) / (n * n) as f32
-    })
-    .collect()
+    let elements = (0..values.len()).into_par_iter().with_min_len(64);
+    elements
+        .map(|element| {
+            let row = transport.row(element as u32);
+            let n = row.len().max(1);
+            let mean = row.iter().map(|&hit| padded[hit as usize]).sum::<f32>() / n as f32;
+            let squares: f32 = row.iter().map(|&hit| (padded[hit as usize] - mean).powi(2)).sum();
+            let seen = transport.seen.get(element).and_then(|s| s.as_deref());
+            let by_lobes = seen.into_iter().flat_map(|s| &s.elements);
+            let ways = by_lobes.map(|&(hit, share)| (padded[hit as usize] * luminance(share)).powi(2));
+            (squares + ways.sum::<f32>()) / (n * n) as f32
+        })
+        .collect()
 }
 
 /// Irradiance with the noise of the gather rays averaged away on grids; see the module's text.

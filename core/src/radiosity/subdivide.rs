@@ -6,20 +6,26 @@
 //! it: lookups, shading and its twin on the GPU do not know of the trees. A region that is no rectangle, a
 //! triangle say, leaves the nodes outside it unsolved.
 //!
-//! After a draft at one level each leaf is judged by what its corners' own gather rays met. Light from a
-//! distance d bends over d, so interpolation over a leaf of side s is off by the order of s² |B − E| / d²
-//! for each ray that met radiosity B where E arrives; the mean of that over rays and corners, relative to E,
-//! is held to a tolerance. Not second differences of the solution: at a hundred rays they are mostly noise,
-//! which would be taken for detail.
+//! After a draft on the roots each leaf, level by level, is judged by what its corners' own gather rays met.
+//! Light from a distance d bends over d, so interpolation over a leaf of side s is off by the order of
+//! s² |B − E| / d² for each ray that met radiosity B where E arrives; the mean of that over rays and corners,
+//! relative to E and times the leaf's share of the area of a root, is held to a tolerance: what an error is
+//! worth is the area on which it is seen, and the many small leaves of small things would else take every
+//! split. Not second differences of the solution: at a hundred rays they are mostly noise, which would be taken
+//! for detail.
+//!
+//! What is left on coarse leaves is noise more than bent light, so their corners cast twice the rays a level.
 //!
 //! Limits: edges of indirect shadows from far objects are not foreseen; vertex elements and the bodies of
 //! lamps keep their spacing; trees stay as they were when lamps move afterwards.
 
 use super::{
     RadiositySolution,
+    gather::Gathering,
     surface_map::{INTERPOLATED, OUTSIDE, SurfaceMap, UNSOLVED},
 };
 use crate::math::{colour::luminance, relative::floor_of};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// How grids are subdivided.
@@ -27,8 +33,8 @@ use rayon::prelude::*;
 pub struct Subdivision {
     /// Times that a root, a cell of the usual spacing, can be split: 1 to 4.
     pub levels: u8,
-    /// Deviation from bilinear that is let be, relative to the irradiance (or 5 % of its mean, if that is
-    /// more).
+    /// Deviation from bilinear that is let be on a root, relative to the irradiance (or 5 % of its mean, if that
+    /// is more); four times as much a level further down.
     pub tolerance: f32,
 }
 
@@ -37,6 +43,9 @@ impl Default for Subdivision {
         Self { levels: 1, tolerance: 0.1 }
     }
 }
+
+/// Width that a narrow leaf counts with, in spacings: it is seldom looked at, but its ends may be.
+const LEAST_WIDTH: f32 = 0.1;
 
 /// Most times that a root can be split.
 pub const MOST_LEVELS: u8 = 4;
@@ -137,64 +146,85 @@ impl ChartTree {
     }
 }
 
-/// The test of leaves against a draft: whether the elements at a leaf's corners and its side, m, ask for a
-/// split.
-pub(super) fn asks<'a>(
-    draft: &'a RadiositySolution,
-    subdivision: &Subdivision,
-) -> impl Fn(&[usize], f32) -> bool + use<'a> {
-    let light: Vec<f32> = draft.direct.iter().zip(&draft.indirect).map(|(d, i)| luminance(*d + *i)).collect();
-    let bends = bends(draft);
-    let (sum, area) = draft
-        .elements()
-        .iter()
-        .zip(&light)
-        .fold((0.0, 0.0), |(sum, area), (e, light)| (sum + e.area * light, area + e.area));
-    let floor = floor_of(f64::from(sum / area.max(f32::MIN_POSITIVE))) as f32;
-    let tolerance = subdivision.tolerance;
-    move |corners, side| {
-        let mean = |values: &[f32]| corners.iter().map(|&c| values[c]).sum::<f32>() / corners.len() as f32;
-        side * side * mean(&bends) > tolerance * mean(&light).max(floor)
-    }
+/// Luminances that leaves are judged by: direct irradiance and radiosity of every node, solved or between.
+pub(super) struct Draft {
+    direct: Vec<f32>,
+    radiosity: Vec<f32>,
+    /// Irradiance below which a deviation is held to it, lx.
+    floor: f32,
 }
 
-/// By how much bilinear interpolation may be off at each element, over its side²: the mean over its rays of
-/// |B − E| / d², lx/m², with distances of the elements met, no less than a quarter of the spacing.
-fn bends(draft: &RadiositySolution) -> Vec<f32> {
-    const NEAREST_SPACINGS: f32 = 0.25;
-    let (transport, elements) = (draft.transport(), draft.elements());
-    let least = (NEAREST_SPACINGS * transport.map.spacing_m).powi(2);
-    (0..elements.len())
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|i| {
-            let own = luminance(draft.indirect[i]);
-            let sum = transport.row(i as u32).iter().fold(0.0, |sum, &hit| {
-                let Some(other) = elements.get(hit as usize) else { return sum };
-                let d2 = other.position.distance_squared(elements[i].position).max(least);
-                sum + (luminance(draft.radiosity()[hit as usize]) - own).abs() / d2
-            });
-            sum / transport.rays as f32
-        })
-        .collect()
+impl Draft {
+    /// Those of a solution.
+    pub(super) fn new(solution: &RadiositySolution) -> Self {
+        let luminances = |values: &[Vec3]| values.iter().map(|v| luminance(*v)).collect();
+        let sum = |light: &[Vec3]| -> f32 {
+            solution.elements().iter().zip(light).map(|(e, light)| e.area * luminance(*light)).sum()
+        };
+        let area: f32 = solution.elements().iter().map(|e| e.area).sum();
+        let mean = (sum(&solution.direct) + sum(&solution.indirect)) / area.max(f32::MIN_POSITIVE);
+        Self {
+            direct: luminances(&solution.direct),
+            radiosity: luminances(solution.radiosity()),
+            floor: floor_of(f64::from(mean)) as f32,
+        }
+    }
+
+    /// The test of leaves: whether the elements at a leaf's corners and its sides, m, ask for a split.
+    pub(super) fn asks(
+        &self,
+        gathering: &Gathering,
+        subdivision: &Subdivision,
+    ) -> impl Fn(&[usize], [f32; 2]) -> bool + use<> {
+        let judged: Vec<[f32; 2]> = (0..self.direct.len())
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| self.judge(gathering, i))
+            .collect();
+        let (floor, tolerance) = (self.floor, subdivision.tolerance);
+        let usual = gathering.map.spacing_m;
+        move |corners, [a, b]| {
+            let mean = |k: usize| corners.iter().map(|&c| judged[c][k]).sum::<f32>() / corners.len() as f32;
+            let off = a.max(b).powi(2) * mean(0);
+            off * a.max(b) * a.min(b).max(LEAST_WIDTH * usual)
+                > tolerance * mean(1).max(floor) * usual * usual
+        }
+    }
+
+    /// By how much bilinear interpolation may be off at an element, over its side², and its irradiance: the mean
+    /// over its rays of |B − E| / d², lx/m², with distances of the elements met, no less than a quarter of the
+    /// spacing; and direct light with the mean over its rays of B, lx.
+    fn judge(&self, gathering: &Gathering, element: usize) -> [f32; 2] {
+        const NEAREST_SPACINGS: f32 = 0.25;
+        let (map, row) = (&gathering.map, gathering.row(element));
+        let radiosity = |hit: u32| self.radiosity.get(hit as usize).copied();
+        let rays = row.len().max(1) as f32;
+        let own = row.iter().filter_map(|&hit| radiosity(hit)).sum::<f32>() / rays;
+        let least = (NEAREST_SPACINGS * map.spacing_m).powi(2);
+        let sum = row.iter().fold(0.0, |sum, &hit| {
+            let Some(other) = radiosity(hit) else { return sum };
+            let apart = map.elements[hit as usize].position - map.elements[element].position;
+            sum + (other - own).abs() / apart.length_squared().max(least)
+        });
+        [sum / rays, self.direct[element] + own]
+    }
 }
 
 impl SurfaceMap {
     /// Splits the leaves of a level that `wanted` names by the elements at their corners inside the region and
-    /// their longer side, m; whether any was.
-    pub(super) fn subdivide(&mut self, level: u8, wanted: impl Fn(&[usize], f32) -> bool) -> bool {
+    /// their sides, m; whether any was.
+    pub(super) fn subdivide(&mut self, level: u8, wanted: impl Fn(&[usize], [f32; 2]) -> bool) -> bool {
         let mut grown = false;
         let (charts, elements) = (&self.charts, &self.elements);
         for (tree, chart) in self.trees.iter_mut().zip(charts) {
             let Some(tree) = tree else { continue };
             grown |= tree.split(level, |tree, leaf| {
                 let span = tree.span(leaf.level);
-                let side =
-                    (chart.step_u.length() * span[0] as f32).max(chart.step_v.length() * span[1] as f32);
+                let sides = [chart.step_u.length() * span[0] as f32, chart.step_v.length() * span[1] as f32];
                 let corners = tree.corners(leaf).map(|c| (chart.first_element + c) as usize);
                 let inside: Vec<usize> =
                     corners.into_iter().filter(|&c| elements[c].flags & OUTSIDE == 0).collect();
-                wanted(&inside, side)
+                wanted(&inside, sides)
             });
         }
         if grown {
