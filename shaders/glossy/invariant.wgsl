@@ -3,7 +3,6 @@
 const WIDEST: u32 = 7u;
 const MEASURED: u32 = 4u;
 const MOST_RADIUS: f32 = 0.5;
-const MOST_PARTS: u32 = 4u;
 const THREADS: u32 = 256u;
 
 // The Rust sides are in core/src/glossy/gpu.rs.
@@ -122,16 +121,9 @@ fn measure(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
     let edge = 2u * radius + 1u;
     if thread < edge * edge {
         let scale = f32(1u << level);
-        let parts = min(MOST_PARTS, 1u << level);
-        let angle = pixel_angle * scale / f32(parts);
-        let texel = vec2f(f32(thread % edge), f32(thread / edge)) - f32(radius) - 0.5;
-        let middle = lens_place(point.from_eye);
-        var weight = 0.0;
-        for (var k = 0u; k < parts * parts; k++) {
-            let within = (vec2f(f32(k % parts), f32(k / parts)) + 0.5) / f32(parts);
-            weight += tap_weight(point, lens_direction(middle + (texel + within) * scale), nearness, angle);
-        }
-        kernels[group.x].weights[thread] = weight;
+        let offset = vec2f(f32(thread % edge), f32(thread / edge)) - f32(radius);
+        let direction = lens_direction(lens_place(point.from_eye) + offset * scale);
+        kernels[group.x].weights[thread] = tap_weight(point, direction, nearness, pixel_angle * scale);
     }
 }
 

@@ -5,11 +5,11 @@ use lumenscope_core::{
     glossy::environment::Environments,
     math::{frame::uniform_direction, random::Rng},
     reference::{path::PathTracer, radiance::radiance_with},
-    scene::{Scene, accel::Ray, camera::Camera, material::Material, mesh::Mesh},
+    scene::{Scene, accel::Ray, camera::Camera, geometry::Surface, material::Material, mesh::Mesh},
     superposition::{PassSettings, composite::DirectQuality, layers::Layer, render},
     transport::LightTransportSolution,
 };
-use lumenscope_tests::{add, box_room, cornell, solved};
+use lumenscope_tests::{add, box_room, cornell, merged, rectangle, solved};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -70,33 +70,84 @@ fn constant_light_is_mirrored_as_it_is() {
     }
 }
 
-/// Mean absolute difference to the path tracer where the ball is seen, over the mean there.
+/// Mean absolute difference of what a solution shows of ball, the scene's last object, to the path tracer.
 fn error(solution: &LightTransportSolution) -> f64 {
-    let (camera, [w, h]) = (solution.scene.camera, [48, 48]);
-    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
-    let (buffer, layers) = render(solution, &camera, w, h, &settings);
-    let tracer = PathTracer::new(&solution.world);
     let ball = solution.scene.objects.len() as u32 - 1;
-    let pixels: Vec<usize> = (0..buffer.triangle.len())
-        .filter(|&i| buffer.surface(&solution.world, &camera, i).is_some())
-        .filter(|&i| {
-            let surface = buffer.surface(&solution.world, &camera, i).unwrap();
-            solution.world.geometry.object[surface.triangle as usize] == ball
+    let geometry = &solution.world.geometry;
+    error_where(solution, solution, |surface, _| geometry.object[surface.triangle as usize] == ball)
+}
+
+/// Mean absolute difference of what one solution shows to paths in another, over the mean of those, where surfaces
+/// seen along directions are of interest.
+fn error_where(
+    shown: &LightTransportSolution,
+    traced: &LightTransportSolution,
+    is_of_interest: impl Fn(&Surface, Vec3) -> bool,
+) -> f64 {
+    let (camera, [w, h]) = (shown.scene.camera, [48, 48]);
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, layers) = render(shown, &camera, w, h, &settings);
+    let tracer = PathTracer::new(&traced.world);
+    let rays: Vec<(usize, Ray)> = (0..buffer.triangle.len())
+        .filter_map(|i| {
+            let surface = buffer.surface(&shown.world, &camera, i)?;
+            let along = (surface.position - camera.eye).normalize();
+            is_of_interest(&surface, along).then(|| (i, Ray::new(camera.eye, along)))
         })
         .collect();
-    assert!(pixels.len() > 300, "{}", pixels.len());
-    let found: Vec<[f64; 2]> = pixels
+    assert!(rays.len() > 300, "{}", rays.len());
+    let found: Vec<[f64; 2]> = rays
         .par_iter()
-        .map(|&i| {
-            let surface = buffer.surface(&solution.world, &camera, i).unwrap();
-            let ray = Ray::new(camera.eye, (surface.position - camera.eye).normalize());
-            let wanted = radiance_with(&tracer, &ray, 256, i as u64).mean;
-            let shown = layers.get(Layer::Mirror).pixels[i] + layers.get(Layer::Glossy).pixels[i];
+        .map(|(i, ray)| {
+            let wanted = radiance_with(&tracer, ray, 256, *i as u64).mean;
+            let shown = layers.get(Layer::Mirror).pixels[*i] + layers.get(Layer::Glossy).pixels[*i];
             [f64::from((shown - wanted).abs().x), f64::from(wanted.x)]
         })
         .collect();
     let [off, all] = found.iter().fold([0.0; 2], |s, f| [s[0] + f[0], s[1] + f[1]]);
     off / all
+}
+
+#[test]
+fn what_is_glossy_in_a_mirror_is_blurred() {
+    let metal =
+        |roughness| Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
+    // A mirror for the left wall, a polished floor that shows a bright panel.
+    let lit = |roughness: f32| {
+        let mut scene = Scene::default();
+        let (x, y, z) = (2.0 * Vec3::X, 2.0 * Vec3::Y, 2.0 * Vec3::Z);
+        let low = Vec3::new(-1.0, 0.0, -1.0);
+        add(&mut scene, "floor", rectangle(low, z, x), metal(roughness));
+        add(&mut scene, "mirror", rectangle(low, y, z), metal(0.0));
+        let dull = merged(&[rectangle(low, x, y), rectangle(low + x, z, y), rectangle(low + y, x, z)]);
+        add(&mut scene, "walls", dull, Material::default());
+        let bright = Material { emission: Vec3::splat(30.0), ..Material::default() };
+        let panel = rectangle(Vec3::new(-0.7, 0.3, -0.95), Vec3::X * 0.6, Vec3::Y * 0.5);
+        add(&mut scene, "panel", panel, bright);
+        scene.camera = Camera {
+            eye: Vec3::new(0.5, 0.7, 0.9),
+            target: Vec3::new(-1.0, 0.3, 0.0),
+            vertical_fov: 0.6,
+            ..scene.camera
+        };
+        solved(scene, 0.1)
+    };
+    for roughness in [0.21, 0.3, 0.45] {
+        let (solution, sharp) = (lit(roughness), lit(0.0));
+        let plain = LightTransportSolution { environments: Default::default(), ..solution.clone() };
+        let world = &solution.world;
+        let is_floor_in_mirror = |surface: &Surface, along: Vec3| {
+            let object = |t: u32| world.geometry.object[t as usize];
+            object(surface.triangle) == 1
+                && world.accel.trace(&surface.mirrored(along)).is_some_and(|hit| object(hit.triangle) == 0)
+        };
+        let [blurred, unblurred, as_wide] =
+            [&solution, &sharp, &plain].map(|shown| error_where(shown, &solution, is_floor_in_mirror));
+        println!("roughness {roughness}: {blurred:.3}, unblurred {unblurred:.3}, as if dull {as_wide:.3}");
+        // One map for the whole floor, a lobe as wide at every angle: the wider, the more of the sharp picture's
+        // error it takes away.
+        assert!(blurred < unblurred && blurred < 0.5 * as_wide, "{blurred} {unblurred} {as_wide}");
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
-//! Curved reflectors by environment maps: the radiance at their place, read along the mirrored direction.
+//! Curved reflectors by environment maps, and flat glossy ones where a mirror shows them: the radiance at their
+//! place, read along the mirrored direction.
 //!
-//! A flat reflector has one mirrored view, a curved one has none. What it shows is taken from the light around
+//! A flat reflector has one mirrored view, a curved one has none; and what a mirrored view shows of a flat glossy
+//! one is not blurred. What such a reflector shows is taken from the light around
 //! its middle, as a radiance sphere holds it (Bastos 1999, §8.2.1 proposes environment maps for it; Blinn and
 //! Newell 1976 made the first), blurred beforehand by the lobe (Miller and Hoffman 1984). The light does not
 //! come from infinity: with each texel goes the distance of what it shows, and the direction that is looked up
@@ -8,19 +10,20 @@
 //!
 //! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
 //!
-//! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, and
-//! none where that lies within something else; the reflector does not see itself and, moved, shows the map of
+//! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, each
+//! flat glossy reflector has one, and none where that lies within something else; the reflector does not see itself and, moved, shows the map of
 //! where it stood; near things shift as if on a sphere of their own distance; a lobe
 //! is as wide at every angle as it is at normal incidence, and a lobe's light is not dimmed by its own shadowing.
 
 use crate::{
     irradiance_volume::panorama::{direction, place},
     math::{frame::frame_from_normal, part::Part, random::r2_point},
-    mirror::reflectors::{NO_REFLECTOR, Reflectors},
+    mirror::reflectors::{BLURRED_ALPHA, NO_REFLECTOR, Reflectors},
     radiosity::RadiositySolution,
     scene::{
         accel::Ray,
         brdf::{Lobe, Specular},
+        geometry::Geometry,
         world::World,
     },
 };
@@ -28,11 +31,15 @@ use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::{collections::BTreeMap, f32::consts::FRAC_1_PI, sync::Arc};
 
-/// Curved reflectors with a map, at most: the largest.
+/// Reflectors with a map, at most: the largest curved ones, then the largest flat ones.
 pub const MOST_MAPS: usize = 16;
 
-/// Rows of the map of an ideal mirror, and of any wider lobe; columns are twice as many.
-const ROWS: [u32; 2] = [128, 64];
+/// Flat reflectors with a map, at most: they are seen in mirrors alone.
+const MOST_FLAT_MAPS: usize = 8;
+
+/// Rows of the map of an ideal mirror, of a curved reflector with a wider lobe, and of a flat one; columns are
+/// twice as many.
+const ROWS: [u32; 3] = [128, 64, 32];
 
 /// Mirrors that a ray is followed through.
 const MOST_REFLECTIONS: u32 = 8;
@@ -50,11 +57,28 @@ struct End {
     left: Vec3,
 }
 
-/// The light around one curved reflector.
+/// What a map belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MapOwner {
+    /// What is curved of a material on an object.
+    Curved {
+        /// The object.
+        object: u32,
+        /// The material.
+        material: u32,
+    },
+    /// A flat reflector.
+    Flat {
+        /// Its first triangle.
+        triangle: u32,
+    },
+}
+
+/// The light around one reflector.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    /// Its object and material.
-    pub of: (u32, u32),
+    /// The reflector.
+    pub of: MapOwner,
     /// Where the light was gathered, m.
     pub centre: Vec3,
     /// Columns and rows.
@@ -69,8 +93,33 @@ pub struct Environment {
 /// The maps of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Environments {
-    /// One a curved reflector.
+    /// One a reflector.
     pub list: Vec<Environment>,
+    /// Number of each triangle's map, where it has one.
+    of_triangle: Arc<BTreeMap<u32, u32>>,
+}
+
+/// A reflector that a map is made for.
+struct Mapped {
+    of: MapOwner,
+    triangles: Vec<u32>,
+    area: f32,
+    alpha: f32,
+    /// Normal of the only side that reflects, if it has one.
+    side: Option<Vec3>,
+}
+
+impl Mapped {
+    /// Whether a triangle is the reflector's own; flat parts of what is else curved are.
+    fn holds(&self, geometry: &Geometry, triangle: u32) -> bool {
+        match self.of {
+            MapOwner::Curved { object, material } => {
+                let t = triangle as usize;
+                (geometry.object[t], geometry.material[t]) == (object, material)
+            }
+            MapOwner::Flat { .. } => self.triangles.contains(&triangle),
+        }
+    }
 }
 
 impl Environments {
@@ -80,59 +129,99 @@ impl Environments {
         if !geometry.is_specular() {
             return Self::default();
         }
-        let reflectors = Reflectors::new(geometry);
-        let mut curved: BTreeMap<(u32, u32), (f32, Vec3, Vec3)> = BTreeMap::new();
-        for t in 0..geometry.len() as u32 {
-            if !geometry.material_of(t).is_specular() || reflectors.of(t) != NO_REFLECTOR {
-                continue;
-            }
-            let of = (geometry.object[t as usize], geometry.material[t as usize]);
-            let (area, low, high) = curved.entry(of).or_insert((0.0, Vec3::INFINITY, Vec3::NEG_INFINITY));
-            *area += 0.5 * geometry.area_normal(t).length();
-            for corner in geometry.positions[t as usize] {
-                (*low, *high) = (low.min(corner), high.max(corner));
+        let mapped = mapped(geometry);
+        let mut list = Vec::new();
+        let mut of_triangle = BTreeMap::new();
+        for reflector in mapped {
+            let map = Environment::new(world, &reflector);
+            if map.is_in_the_open(world, reflector.side) {
+                of_triangle.extend(reflector.triangles.iter().map(|&t| (t, list.len() as u32)));
+                list.push(map);
             }
         }
-        let mut curved: Vec<_> = curved.into_iter().collect();
-        curved.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
-        curved.truncate(MOST_MAPS);
-        let list = curved
-            .into_iter()
-            .map(|(of, (_, low, high))| {
-                let alpha = geometry.materials[of.1 as usize].alpha().unwrap_or(0.0);
-                let rows = ROWS[usize::from(alpha > 0.0)];
-                let (centre, size) = (0.5 * (low + high), [2 * rows, rows]);
-                let ends = (0..2 * rows * rows)
-                    .into_par_iter()
-                    .map(|i| end(world, of, Ray::new(centre, texel_direction(i, size))))
-                    .collect();
-                Environment { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) }
-            })
-            .filter(|environment| environment.is_in_the_open(world))
-            .collect();
-        Self { list }.relit(world, radiosity, LOBE_DIRECTIONS)
+        Self { list, of_triangle: Arc::new(of_triangle) }.relit(world, radiosity, LOBE_DIRECTIONS)
     }
 
     /// The same rays under the light of another solution; a texel is the mean of at most `directions` of a lobe.
     pub fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
-        Self { list: self.list.iter().map(|e| e.relit(world, radiosity, directions)).collect() }
+        let list = self.list.iter().map(|e| e.relit(world, radiosity, directions)).collect();
+        Self { list, of_triangle: self.of_triangle.clone() }
     }
 
-    /// The number of the map of an object's material, if it has one.
-    pub fn number(&self, object: u32, material: u32) -> Option<usize> {
-        self.list.iter().position(|e| e.of == (object, material))
+    /// The number of the map of a triangle, if it has one.
+    pub fn number(&self, triangle: u32) -> Option<u32> {
+        self.of_triangle.get(&triangle).copied()
     }
 }
 
+/// The reflectors that maps are made for: what is curved, and what is flat and so glossy that it is blurred in
+/// mirrors, where there is another reflector to show it.
+fn mapped(geometry: &Geometry) -> Vec<Mapped> {
+    let reflectors = Reflectors::new(geometry);
+    let alpha_of = |t: u32| geometry.material_of(t).alpha().unwrap_or(0.0);
+    let mut curved: BTreeMap<MapOwner, Mapped> = BTreeMap::new();
+    for t in 0..geometry.len() as u32 {
+        if !geometry.material_of(t).is_specular() || reflectors.of(t) != NO_REFLECTOR {
+            continue;
+        }
+        let (object, material) = (geometry.object[t as usize], geometry.material[t as usize]);
+        let of = MapOwner::Curved { object, material };
+        let (alpha, triangles) = (alpha_of(t), Vec::new());
+        let found = curved.entry(of).or_insert(Mapped { of, triangles, area: 0.0, alpha, side: None });
+        found.area += 0.5 * geometry.area_normal(t).length();
+        found.triangles.push(t);
+    }
+    let mut list: Vec<Mapped> = curved.into_values().collect();
+    list.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.of.cmp(&b.of)));
+    let flat = reflectors
+        .list
+        .iter()
+        .filter(|r| reflectors.list.len() > 1 && alpha_of(r.triangles[0]) >= BLURRED_ALPHA);
+    list.extend(flat.take(MOST_FLAT_MAPS).map(|r| Mapped {
+        of: MapOwner::Flat { triangle: r.triangles[0] },
+        triangles: r.triangles.clone(),
+        area: r.area,
+        alpha: alpha_of(r.triangles[0]),
+        side: (!r.double_sided).then_some(r.normal),
+    }));
+    list.truncate(MOST_MAPS);
+    list
+}
+
 impl Environment {
-    /// Whether its middle is not within something else: whether less than half of what the rays met is dark backs.
-    fn is_in_the_open(&self, world: &World) -> bool {
+    /// Casts the rays of a reflector from the middle of its box.
+    fn new(world: &World, reflector: &Mapped) -> Self {
+        let corners = reflector.triangles.iter().flat_map(|&t| world.geometry.positions[t as usize]);
+        let (low, high) =
+            corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let rows = match reflector.of {
+            _ if reflector.alpha == 0.0 => ROWS[0],
+            MapOwner::Curved { .. } => ROWS[1],
+            MapOwner::Flat { .. } => ROWS[2],
+        };
+        let (centre, size) = (0.5 * (low + high), [2 * rows, rows]);
+        let ends = (0..2 * rows * rows)
+            .into_par_iter()
+            .map(|i| end(world, reflector, Ray::new(centre, texel_direction(i, size))))
+            .collect();
+        let (of, alpha) = (reflector.of, reflector.alpha);
+        Self { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) }
+    }
+
+    /// Whether its middle is not within something else: whether less than half of what the rays met before its
+    /// `side`, or all around, is dark backs.
+    fn is_in_the_open(&self, world: &World, side: Option<Vec3>) -> bool {
         let lit = |end: &End| {
             let surface = world.geometry.surface(end.triangle, end.barycentric, end.direction);
             world.geometry.is_lit(&surface)
         };
-        let backs = self.ends.iter().filter(|(_, end)| end.as_ref().is_some_and(|e| !lit(e))).count();
-        2 * backs < self.ends.len()
+        let before = |i: &usize| side.is_none_or(|n| n.dot(texel_direction(*i as u32, self.size)) > 0.0);
+        let (mut rays, mut backs) = (0, 0);
+        for i in (0..self.ends.len()).filter(before) {
+            rays += 1;
+            backs += usize::from(self.ends[i].1.as_ref().is_some_and(|e| !lit(e)));
+        }
+        2 * backs < rays
     }
 
     fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
@@ -213,17 +302,16 @@ fn texel_direction(i: u32, [w, h]: [u32; 2]) -> Vec3 {
     direction(Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) / Vec2::new(w as f32, h as f32))
 }
 
-/// Where a ray from within a reflector ends, past its object's triangles of its material and by way of mirrors; its
-/// distance is that to what it met first, or to far away.
-fn end(world: &World, of: (u32, u32), ray: Ray) -> (f32, Option<End>) {
+/// Where a ray from within a reflector ends, past its own triangles and by way of mirrors; its distance is that to
+/// what it met first, or to far away.
+fn end(world: &World, from: &Mapped, ray: Ray) -> (f32, Option<End>) {
     const FAR: f32 = 1e6;
     let geometry = &world.geometry;
     let (mut ray, mut left, mut distance) = (ray, Vec3::ONE, None);
     for _ in 0..MOST_REFLECTIONS {
         let hit = loop {
             let Some(hit) = world.accel.trace(&ray) else { return (distance.unwrap_or(FAR), None) };
-            let t = hit.triangle as usize;
-            if (geometry.object[t], geometry.material[t]) != of {
+            if !from.holds(geometry, hit.triangle) {
                 break hit;
             }
             ray.t_min = hit.t * (1.0 + 1e-5) + 1e-6;

@@ -9,7 +9,8 @@
 //! middle one is then a matter of rounding.
 //!
 //! Limits: a reflector narrower than the texels of its level is shown as if it were sharp, as is one that no
-//! pixel of those that are measured shows.
+//! pixel of those that are measured shows; at a reflector's edge there is nothing to read between, so that the
+//! picture is shifted there by up to half a texel of its level.
 
 use super::{
     kernel::{GlossyPoint, Lens},
@@ -26,9 +27,6 @@ pub const MEASURED: u32 = 4;
 
 /// Largest radius of a kernel, as a share of the picture's longer side.
 pub const MOST_RADIUS: f32 = 0.5;
-
-/// Parts of a texel, along and across, that its weight is the sum of, at most: a lobe's peak may be narrower.
-const MOST_PARTS: u32 = 4;
 
 /// A kernel over offsets of texels.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,15 +79,9 @@ impl Kernel {
         let radius = wanted.div_ceil(1 << level).min(WIDEST);
         let (edge, scale) = (2 * radius + 1, (1u32 << level) as f32);
         let middle = lens.place(point.from_eye);
-        let (parts, angle) = (MOST_PARTS.min(1 << level), lens.pixel_angle() * scale);
         let weights = (0..edge * edge).map(|i| {
-            let texel = Vec2::new((i % edge) as f32, (i / edge) as f32) - radius as f32 - 0.5;
-            let part = |k: u32| {
-                let within = Vec2::new((k % parts) as f32, (k / parts) as f32) + 0.5;
-                let direction = lens.direction(middle + (texel + within / parts as f32) * scale);
-                point.weight(direction, nearness, angle / parts as f32)
-            };
-            (0..parts * parts).map(part).sum()
+            let offset = Vec2::new((i % edge) as f32, (i / edge) as f32) - radius as f32;
+            point.weight(lens.direction(middle + offset * scale), nearness, lens.pixel_angle() * scale)
         });
         Self { level, radius, weights: weights.collect() }
     }

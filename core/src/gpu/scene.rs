@@ -10,7 +10,10 @@ use super::{
     tables,
 };
 use crate::{
-    glossy::pass::{Lobes, lobes},
+    glossy::{
+        environment::MapOwner,
+        pass::{Lobes, lobes},
+    },
     mirror::{
         culling::{Blocks, Portal},
         reflectors::Reflectors,
@@ -307,8 +310,8 @@ fn group(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, storage: &[Stora
     bind(device, "scene", layout, &resources)
 }
 
-/// Objects and materials that have environment maps.
-fn mapped(solution: &LightTransportSolution) -> Vec<(u32, u32)> {
+/// What has environment maps.
+fn mapped(solution: &LightTransportSolution) -> Vec<MapOwner> {
     solution.environments.list.iter().map(|e| e.of).collect()
 }
 

@@ -229,7 +229,7 @@ pub fn triangles(
             material,
             object,
             reflector: reflectors.of(t as u32),
-            environment: environments.number(object, material).map_or(NONE, |i| i as u32),
+            environment: environments.number(t as u32).unwrap_or(NONE),
         })
         .collect()
 }

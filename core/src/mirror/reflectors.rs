@@ -10,6 +10,10 @@ pub const NO_REFLECTOR: u32 = u32::MAX;
 /// Reflectors of a scene, at most; the largest are kept.
 pub const MOST_REFLECTORS: usize = 256;
 
+/// Width α of a lobe from which on a reflector seen in another is not followed, but shown by the map of the light
+/// around it, blurred: roughness 0.2. A narrower one is nearer to its own mirrored view than to so coarse a map.
+pub const BLURRED_ALPHA: f32 = 0.04;
+
 /// Sine of the angle between shading normal and plane up to which a triangle counts as flat.
 const FLAT: f32 = 0.01;
 

@@ -6,7 +6,7 @@
 
 use super::{
     MOST_VIEWS,
-    reflectors::{Reflector, Reflectors},
+    reflectors::{BLURRED_ALPHA, Reflector, Reflectors},
 };
 use crate::scene::{camera::Camera, geometry::Geometry};
 use glam::{Vec2, Vec3};
@@ -137,8 +137,10 @@ fn seen_in(
     let (eye, rectangle) = seen_from.map_or((eye, Rectangle::ALL), |v| (v.eye, v.rectangle));
     let clip = seen_from.map(|v| (v.clip_normal, v.clip_offset));
     let numbered = reflectors.list.iter().enumerate();
+    let is_sharp =
+        |r: &Reflector| geometry.materials[r.material as usize].alpha().is_some_and(|a| a < BLURRED_ALPHA);
     numbered
-        .filter(|(i, _)| seen_from.is_none_or(|v| v.reflector != *i as u32))
+        .filter(|(i, r)| seen_from.is_none_or(|v| v.reflector != *i as u32 && is_sharp(r)))
         .filter_map(|(i, reflector)| {
             let clip_normal = reflector.facing(eye.position)?;
             let covered = covered(geometry, reflector, &eye, clip, near)?;

@@ -213,9 +213,8 @@ impl<'a> Shading<'a> {
         };
         let object = geometry.object[surface.triangle as usize];
         let (wide, is_mirror) = brdf.specular.map_or((Vec3::ZERO, false), |s| {
-            let material = geometry.material[surface.triangle as usize];
-            if let Some(map) = solution.environments.number(object, material) {
-                let map = &solution.environments.list[map];
+            if let Some(map) = solution.environments.number(surface.triangle) {
+                let map = &solution.environments.list[map as usize];
                 return (map.reflected(surface.position, surface.normal, wo, &s), s.is_mirror());
             }
             let all = stored(Part::Direct) + stored(Part::Indirect);
