@@ -246,11 +246,11 @@ impl LumenscopeApp {
                 News::Reference(reference, _) => self.session.reference = Some(reference),
                 News::Written(path) => self.session.log.info(format!("{} written", path.display())),
                 News::Cancelled(what) => {
-                    self.give_up(what);
+                    self.give_up(ctx, what);
                     self.session.log.warn(format!("{what}: cancelled"));
                 }
                 News::Failed(what, why) => {
-                    self.give_up(what);
+                    self.give_up(ctx, what);
                     self.fail(format!("{what} failed"), why);
                 }
             }
@@ -261,9 +261,10 @@ impl LumenscopeApp {
     }
 
     /// Lets go of what a job that ended early was for: it would be asked for again with every new light.
-    fn give_up(&mut self, what: &str) {
+    fn give_up(&mut self, ctx: &egui::Context, what: &str) {
         if what == JUDGING {
-            self.session.lightmap_file = None;
+            (self.session.lightmap_file, self.session.lightmap) = (None, None);
+            self.carry_out(ctx, Effect::Inspect);
         }
     }
 

@@ -311,7 +311,8 @@ impl Session {
                     self.lightmap = None;
                     self.lightmap_file = Some(file);
                 }
-                self.if_open(Effect::Lightmap)
+                // What the views show of the one before goes with it.
+                [self.if_open(Effect::Inspect), self.if_open(Effect::Lightmap)].concat()
             }
             Command::StartReference => match self.light_paths.traced() {
                 Ok(_) => {

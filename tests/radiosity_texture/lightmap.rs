@@ -13,7 +13,7 @@ use lumenscope_core::{
     },
     scene::{Scene, accel::Ray, world::World},
 };
-use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse};
+use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse, rectangle};
 
 #[test]
 fn rectangles_are_packed_apart_and_densely() {
@@ -141,6 +141,30 @@ fn our_light_baked_onto_coordinates_of_a_file_has_no_fault() {
                 world.accel.trace(&Ray::new(middle + towards * 0.1, -towards.normalize())).expect("a wall");
             let ours = luminance(solution.irradiance(hit.triangle, hit.barycentric, false, Part::All));
             assert!((found - wanted * ours).abs() < 0.3 * ours, "{middle}: {found} for {ours}");
+        }
+    }
+}
+
+#[test]
+fn texels_are_lit_at_their_middles() {
+    // A point lamp of 100 cd 1 m above a floor of 2 × 2 m: E = I h / d³.
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::new(-1.0, 0.0, 1.0), Vec3::X * 2.0, Vec3::Z * -2.0);
+    add(&mut scene, "floor", floor, diffuse("floor", Vec3::splat(0.5), Vec3::ZERO));
+    add_point_lamp(&mut scene, Vec3::new(0.3, 1.0, -0.4), Vec3::splat(100.0));
+    let world = World::new(&scene);
+    let settings = RadiositySettings { element_spacing_m: Some(0.2), ..RadiositySettings::default() };
+    let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
+    let uvs: Vec<_> = world.geometry.lightmap_uvs.iter().map(|uvs| Some(*uvs)).collect();
+    const SIDE: u32 = 12;
+    let map = texels::bake(&world, &solution, &uvs, [SIDE; 2], 0, &Progress::silent()).expect("bakes");
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            // u runs along x and v, downwards, along z.
+            let p = (Vec2::new(x as f32, y as f32) + 0.5) * (2.0 / SIDE as f32) - 1.0;
+            let exact = 100.0 * (1.0 + p.distance_squared(Vec2::new(0.3, -0.4))).powf(-1.5);
+            let found = map.at(x, y).x;
+            assert!((found - exact).abs() < 1e-4 * exact, "{x}, {y}: {found} for {exact}");
         }
     }
 }

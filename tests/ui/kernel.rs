@@ -10,11 +10,8 @@ use lumenscope::{
     viewport::screen::Screen,
     widgets::value_table::{Row, text},
 };
-use lumenscope_core::{
-    glossy::{inspect::KernelView, inspect_point::KernelPoint},
-    scene::accel::Ray,
-};
-use std::{fs, sync::Arc, time::Instant};
+use lumenscope_core::glossy::inspect::KernelView;
+use std::{fs, sync::Arc};
 
 /// The room with its block of rough metal; the block's front stands at z = −0.6.
 fn on_polished_room() -> Window<'static> {
@@ -100,27 +97,4 @@ fn the_kernel_follows_the_pointer_over_what_is_glossy() {
     look.show(KERNEL, false);
     window.run(Command::View(Box::new(look)));
     assert!(window.app().kernel().is_none());
-}
-
-#[test]
-fn a_kernel_takes_a_fraction_of_a_frame() {
-    let window = on_polished_room();
-    let world = window.app().session().solution.clone().unwrap().world.clone();
-    let eye = window.view().camera.eye;
-    let mut times: Vec<f64> = (0..21)
-        .map(|i| {
-            let towards = Vec3::new(-1.1 + 0.03 * i as f32, 0.5, -0.6) - eye;
-            let began = Instant::now();
-            let hit = world.accel.trace(&Ray::new(eye, towards)).unwrap();
-            let surface = world.geometry.surface(hit.triangle, hit.barycentric, towards);
-            let point = KernelPoint::on(&world.geometry, &surface, eye).unwrap();
-            let shown = KernelView::new(&world, point, eye);
-            assert!(!shown.scene.meshes[0].triangles.is_empty());
-            began.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    println!("a kernel under the pointer: median {:.2} ms, worst {:.2} ms", 1e3 * times[10], 1e3 * times[20]);
-    // It is made on the window's own thread, 60 frames a second.
-    assert!(times[10] < 0.016, "{} s", times[10]);
 }

@@ -84,6 +84,9 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
     fs::write(&broken, "no picture").unwrap();
     window.run(Command::Lightmap(LightmapFile { path: broken, white: 1.0 }));
     window.wait("the notice", |app| !app.is_busy() && app.session().lightmap_file.is_none());
+    // Nor does the scene keep showing the one before.
+    window
+        .wait("an empty view", |app| app.session().inspection.is_none() && app.session().lightmap.is_none());
 
     // Another white, other light: twice as much as ours everywhere.
     window.run(Command::Lightmap(LightmapFile { white: 2.0, path: file.clone() }));

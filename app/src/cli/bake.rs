@@ -8,8 +8,11 @@ use glam::Vec2;
 use lumenscope_core::{
     io::exr,
     math::part::Part,
-    radiosity::{atlas, texels},
-    scene::geometry::Geometry,
+    radiosity::{
+        atlas,
+        texels::{self, Coverage},
+    },
+    scene::{geometry::Geometry, world::World},
 };
 use std::{fmt::Write as _, path::PathBuf};
 
@@ -30,9 +33,8 @@ pub struct Options {
     /// Texels around each chart that repeat its border.
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=64))]
     padding: u32,
-    /// `.obj` to write: the scene with coordinates packed here, one texel an element of the radiosity; `--size`
-    /// follows from them. Triangles that are lit at their corners have none.
-    #[arg(long)]
+    /// `.obj` to write: the scene with coordinates packed here, one texel an element of the radiosity. Triangles that are lit at their corners have none.
+    #[arg(long, conflicts_with = "size")]
     atlas: Option<PathBuf>,
 }
 
@@ -45,13 +47,19 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         bail!("--size: {side} is more than {MOST_TEXELS} texels");
     }
     let loaded = solve::load(&options.scene, common)?;
+    let refused = || format!("{} (--atlas packs coordinates of its own)", options.scene.display());
+    if options.atlas.is_none() {
+        // What cannot be baked onto is told before anything is solved.
+        let world = World::new(&loaded.scene);
+        Coverage::new(&world, &coordinates(&world), options.size).with_context(refused)?;
+    }
     let solution = solve::solve(&loaded, false)?;
     let (world, radiosity) = (&solution.world, &solution.radiosity);
     let map = match &options.atlas {
         None => solve::watched(|progress| {
             texels::bake(world, radiosity, &coordinates(world), options.size, options.padding, progress)
         })
-        .with_context(|| format!("{} (--atlas packs coordinates of its own)", options.scene.display()))?,
+        .with_context(refused)?,
         Some(path) => {
             let (map, uvs) = atlas::bake(radiosity, Part::All, options.padding);
             solve::write(path, &obj(&world.geometry, &uvs))?;

@@ -132,7 +132,7 @@ enum Job {
     #[command(after_help = "Example: lumenscope lightmap room.glb --map baked.exr --out out")]
     Lightmap(lightmap::Options),
     /// Our light as a lightmap over a scene's texture coordinates, or over coordinates packed here.
-    #[command(after_help = "Example: lumenscope bake room.glb --out light.exr --size 1024")]
+    #[command(after_help = "Example: lumenscope bake room.glb --out light.exr --size 1024x1024")]
     Bake(bake::Options),
     /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
     #[command(after_help = "Example: lumenscope textures --out out --samples 5")]

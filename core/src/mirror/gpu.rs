@@ -1,7 +1,8 @@
 //! Mirrored views on the GPU: twin of [`super::pass`].
 //!
 //! All views of one depth share a raster pass and its depth buffer: a pixel follows one chain of mirrors,
-//! so their masks never overlap. Each view is one draw within the rectangle that its reflector covers.
+//! so their masks never overlap. Each view is a mask written to the depth, then the blocks that its portal
+//! shows, within the rectangle that its reflector covers.
 //! Pipelines and textures are made when a scene first has something polished, and not before.
 
 use super::{

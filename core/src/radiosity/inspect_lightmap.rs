@@ -12,7 +12,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 
-/// Vertices that all triangles together are cut into at most, about.
+/// Vertices that all triangles together are cut into, about, where there are not more triangles.
 const MOST_VERTICES: f32 = 3e5;
 /// Pieces along an edge of one triangle.
 const MOST_PIECES: f32 = 128.0;
@@ -43,39 +43,37 @@ pub fn on_surfaces(report: &LightmapReport, world: &World, spacing_m: f32, shown
     }
     dilate(&mut texels, report.size, 1);
     let lift = LIFT_SPACINGS * spacing_m;
-    let fineness = (MOST_VERTICES / report.texels.len().max(1) as f32).sqrt().min(1.0);
+    // Pieces a texel along an edge: triangles are cut into n² pieces, however long and thin they are.
+    let edge_of = |[a, b, c]: [Vec2; 3]| a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let on_map =
+        |uvs: &[Vec2; 3]| uvs.map(|uv| uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5));
+    let mapped = |t: &u32| report.unmapped.binary_search(t).is_err();
+    let all = (0..).zip(&world.geometry.lightmap_uvs).filter(|(t, _)| mapped(t));
+    let pieces: f32 = all.clone().map(|(_, uvs)| 0.5 * edge_of(on_map(uvs)).min(MOST_PIECES).powi(2)).sum();
+    let fineness = (MOST_VERTICES / pieces.max(1.0)).sqrt().min(1.0);
     let mut mesh = ColouredMesh::default();
-    for (triangle, uvs) in (0..).zip(&world.geometry.lightmap_uvs) {
-        if report.unmapped.binary_search(&triangle).is_ok() {
-            continue;
-        }
-        let corners = uvs.map(|uv| uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5));
+    for (triangle, uvs) in all {
+        let corners = on_map(uvs);
         let [a, b, c] = corners;
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        let n = (fineness * longest).ceil().clamp(1.0, MOST_PIECES) as u32;
+        let n = (fineness * edge_of(corners).min(MOST_PIECES)).ceil().max(1.0) as u32;
         let off = world.geometry.area_normal(triangle).normalize_or_zero() * lift;
         let places = world.geometry.positions[triangle as usize].map(|p| p + off);
         let first = mesh.positions.len() as u32;
-        let mut whole = true;
+        let mut known_here = Vec::new();
         for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
             let (u, v) = (i as f32 / n as f32, j as f32 / n as f32);
             let value = known(&texels, report.size, a + (b - a) * u + (c - a) * v);
-            whole &= value.is_some();
+            known_here.push(value.is_some());
             mesh.positions.push(places[0] + (places[1] - places[0]) * u + (places[2] - places[0]) * v);
             mesh.values.push(value.unwrap_or_default());
         }
-        if !whole {
-            mesh.positions.truncate(first as usize);
-            mesh.values.truncate(first as usize);
-            continue;
-        }
         // Row i begins after the n + 1, n, … vertices of the rows before it.
         let at = |i: u32, j: u32| first + i * (n + 1) - i * i.saturating_sub(1) / 2 + j;
+        let is_known = |piece: &[u32; 3]| piece.iter().all(|v| known_here[(v - first) as usize]);
         for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
-            mesh.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
-            if i + j + 1 < n {
-                mesh.triangles.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
+            let lower = [at(i, j), at(i + 1, j), at(i, j + 1)];
+            let upper = (i + j + 1 < n).then(|| [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            mesh.triangles.extend(std::iter::once(lower).chain(upper).filter(is_known));
         }
     }
     let (quantity, range) = match shown {
