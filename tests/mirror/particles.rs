@@ -8,7 +8,7 @@ use lumenscope_core::{
         splat::{SplatMap, SplatSettings, gaussian},
         trace::Particles,
     },
-    math::progress::Progress,
+    math::{colour::luminance, progress::Progress},
     measure::significance::z_test,
     reference::{Estimate, picture::ReferencePicture},
     scene::{
@@ -98,6 +98,10 @@ fn every_kind_of_emitter_sends_its_flux() {
         let world = World::new(&scene);
         let arriving = |seed| vec![traced(&world, 2_000, seed).arriving(0).as_vec3()];
         assert_finds("flux of an emitter", &[wanted], arriving);
+        if wanted != Vec3::ZERO {
+            let stated: f32 = world.emitters.list.iter().map(|e| e.flux()).sum();
+            assert!((stated / luminance(wanted) - 1.0).abs() < 1e-4, "{stated} lm for {wanted}");
+        }
     }
     // Parallel light onto a floor: E A, whatever the disc it is sent through.
     let mut scene = Scene::default();

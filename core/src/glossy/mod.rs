@@ -12,11 +12,12 @@
 //! Its library by cos θ ([`lobes`]) holds what an evaluation cannot give: how far a lobe reaches, how much
 //! of the light it keeps, and at which angle the Fresnel equation stands for all of it.
 //!
-//! What is curved has no mirror image, but a map of the light around it: [`environment`].
+//! What is curved has no mirror image, but a map of the light around it, as has what is glossy in a mirror:
+//! [`environment`]. In object space, without any mirror image, [`particles`] of light make the same.
 //!
 //! Limits. What the mirror image does not show (behind its edges and what stands in front, the visibility
 //! assumption of §7.4.1) is taken to look as what it shows. Surfaces seen at grazing angles have few pixels
-//! to draw on. A glossy surface seen in a mirror shows its mirror image unblurred.
+//! to draw on. Lobes narrower than roughness 0.2 show their mirror image unblurred where a mirror shows them.
 
 pub mod environment;
 pub mod gpu;

@@ -11,10 +11,10 @@
 //! the whole of a mirror at the price of one more picture, on any graphics card, and what has no
 //! reflector in sight pays nothing.
 //!
-//! Limits. Curved polished surfaces have no mirrored view: they reflect as if their lobe were as wide as
-//! the hemisphere, and so do reflectors beyond the depth of recursion. Lamps without a surface are not
-//! seen in mirrors. What mirrors throw onto dull surfaces is left out of radiosity and direct light: beside a
-//! mirror that faces a lamp they are too dark, which the path tracer shows.
+//! Limits. Curved polished surfaces and wide lobes seen in mirrors have no mirrored view: they show a map of the
+//! light around them ([`crate::glossy`] makes it), and what has none reflects as if its lobe were as wide as
+//! the hemisphere, as do reflectors beyond the depth of recursion. Lamps without a surface are not seen in
+//! mirrors.
 
 use crate::scene::file::PlanOverrides;
 

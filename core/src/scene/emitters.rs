@@ -139,7 +139,8 @@ impl Emitter {
             Self::Lamp { lamp, .. } => match lamp.kind {
                 LampKind::Point { intensity } => 4.0 * PI * luminance(intensity) * lamp.dimmer,
                 LampKind::Spot { intensity, inner_angle, outer_angle } => {
-                    let mean = 1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos());
+                    // ∫ t² d(cos θ), t rising linearly in cos θ from the outer angle to the inner one.
+                    let mean = 1.0 - (2.0 * inner_angle.cos() + outer_angle.cos()) / 3.0;
                     TAU * mean * luminance(intensity) * lamp.dimmer
                 }
                 LampKind::Directional { illuminance } => luminance(illuminance) * lamp.dimmer,

@@ -5,7 +5,7 @@ use super::{
     trace::Particles,
 };
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Legend, robust_range},
+    inspection::{ColouredMesh, InspectionScene, Legend},
     math::{colour::luminance, frame::frame_from_normal, progress::Progress},
     scene::world::World,
 };
@@ -58,6 +58,10 @@ pub fn density(world: &World, seed: u64) -> Option<InspectionScene> {
         mesh.values.extend([Vec3::splat(*density); 4]);
         mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
+    let mut densities: Vec<f32> = squares.iter().map(|s| s.1).collect();
+    densities.sort_by(f32::total_cmp);
+    // Beside a lamp there are many times as many as anywhere else.
+    let range = [0.0, 2.0 * densities[densities.len() / 2]];
     let sent: Vec3 = particles.sent.iter().map(|s| s.flux).sum();
     let most = hits.iter().map(|hit| hit.bounces).max().unwrap_or(0);
     let note = format!(
@@ -70,12 +74,7 @@ pub fn density(world: &World, seed: u64) -> Option<InspectionScene> {
         luminance(particles.arriving(1).as_vec3()),
     );
     Some(InspectionScene {
-        legend: Some(Legend {
-            quantity: "particles".into(),
-            unit: "1/m²".into(),
-            range: [0.0, robust_range(squares.iter().map(|s| s.1))[1]],
-            names: &[],
-        }),
+        legend: Some(Legend { quantity: "particles".into(), unit: "1/m²".into(), range, names: &[] }),
         meshes: vec![mesh],
         notes: vec![note],
         ..InspectionScene::default()
