@@ -8,6 +8,7 @@
 pub mod analytic;
 pub mod cornell;
 pub mod glb;
+pub mod grotto;
 pub mod house;
 pub mod office;
 pub mod pictures;

@@ -82,8 +82,6 @@ const TREES: usize = UNIFORM + RAYS.len();
 const BINS: usize = TREES + RAYS.len();
 const SAMPLES: usize = BINS + 1;
 const PATHS: usize = SAMPLES + 1;
-/// The planned rays again, looked up bicubically.
-const BICUBIC: usize = PATHS + 1;
 
 fn rays(planned: u32, factor: f32) -> u32 {
     ((planned as f32 * factor) as u32).max(1)
@@ -94,8 +92,7 @@ fn names(planned: u32) -> Vec<String> {
     let of =
         |what: &'static str| RAYS.map(|factor| format!("{what}, {} rays, by spacing", rays(planned, factor)));
     let others = ["volume, by bins", "volume, by samples", "path tracer, by paths"].map(String::from);
-    let bicubic = format!("uniform grids, {planned} rays, bicubic lookup");
-    of("uniform grids").into_iter().chain(of("quadtrees")).chain(others).chain([bicubic]).collect()
+    of("uniform grids").into_iter().chain(of("quadtrees")).chain(others).collect()
 }
 
 /// One point of the chart.
@@ -296,12 +293,9 @@ fn write(
     noise: f64,
 ) -> anyhow::Result<()> {
     let [width, height] = options.size;
-    let panels = SHOWN.map(|(shown, error, title)| {
+    let panels = SHOWN.map(|(_, error, title)| {
         let mut lines: Vec<Vec<Point>> =
-            (UNIFORM..BICUBIC).map(|line| curve(all, line..line + 1, |r| r.seconds, error)).collect();
-        if shown == "picture" {
-            lines.push(curve(all, UNIFORM + PLANNED..UNIFORM + PLANNED + 1, |r| r.seconds, |r| r.bicubic));
-        }
+            (UNIFORM..=PATHS).map(|line| curve(all, line..line + 1, |r| r.seconds, error)).collect();
         lines.iter_mut().flatten().for_each(|p| p[1] *= 100.0);
         let level = Some((100.0 * noise, "the reference's own standard error".into()));
         let axes = [format!("solving and asking at {width}x{height} pixels, s"), "median error, %".into()];

@@ -269,6 +269,12 @@ impl GpuRenderer {
         &self.targets.output_view
     }
 
+    /// Bytes of what rasterising and shading from the elements read of a scene: corners and their order, triangles,
+    /// objects, materials, textures, where the elements are and their light. Not the trees for shadow rays.
+    pub fn shown_bytes(&self) -> u64 {
+        self.scene.shown_bytes()
+    }
+
     /// Width and height of the last frame: what was asked for, or what the device can.
     pub fn size(&self) -> [u32; 2] {
         self.targets.size

@@ -149,6 +149,13 @@ impl SceneTables {
         self.general
     }
 
+    /// Bytes of the tables that are shown, without those that rays are traced with.
+    pub(crate) fn shown_bytes(&self) -> u64 {
+        let shown = [Table::Sides, Table::ElementLight, Table::MovedLight, Table::Environments];
+        let tables = (0..SURFACE_TABLES).chain(shown.map(|t| t as usize));
+        self.indices.size() + tables.map(|t| self.storage[t].buffer().size()).sum::<u64>()
+    }
+
     /// The solution on the device.
     pub(crate) fn solution(&self) -> Option<&LightTransportSolution> {
         self.last.as_ref()

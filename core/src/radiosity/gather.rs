@@ -202,7 +202,7 @@ impl Gathering {
             map.weigh(&world.geometry, &between);
         }
         let fills = fills(&map, between);
-        redirect(&mut map, (&mut hits, &rows), &mut seen, &fills);
+        redirect(&mut map, &mut hits, &mut seen, &fills);
         let mut transport = Transport { map, hits, rows, rays, norm: Vec3::ZERO, lobes, seen, fills };
         let reflectance: Vec<Vec3> = transport.map.elements.iter().map(|e| e.reflectance).collect();
         transport.norm = transport.gather(&reflectance).into_iter().fold(Vec3::ZERO, Vec3::max);
@@ -416,12 +416,7 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
 
 /// Hits on unsolved elements go to a solved one that lends it light, drawn with its weight; areas are
 /// divided by the weights.
-fn redirect(
-    map: &mut SurfaceMap,
-    (hits, rows): (&mut [u32], &[Range<usize>]),
-    seen: &mut [Option<Box<Seen>>],
-    fills: &[Fill],
-) {
+fn redirect(map: &mut SurfaceMap, hits: &mut [u32], seen: &mut [Option<Box<Seen>>], fills: &[Fill]) {
     if fills.is_empty() {
         return;
     }
@@ -451,10 +446,7 @@ fn redirect(
             step += 1;
         }
     };
-    for (element, row) in rows.iter().enumerate() {
-        let first = (element * row.len()) as u32;
-        hits[row.clone()].iter_mut().zip(first..).for_each(|(hit, place)| lend(hit, place));
-    }
+    hits.par_iter_mut().enumerate().with_min_len(4096).for_each(|(place, hit)| lend(hit, place as u32));
     seen.par_iter_mut().enumerate().for_each(|(element, seen)| {
         for (i, (hit, _)) in seen.iter_mut().flat_map(|s| &mut s.elements).enumerate() {
             lend(hit, hash2(element as u32, i as u32));
