@@ -375,7 +375,8 @@ fn neighbours(chart: &Chart, node: usize, stride: [usize; 2]) -> impl Iterator<I
 }
 
 /// Where unsolved nodes take their light from: between corners of leaves from those, then layer by layer
-/// outwards from what has light. Buried nodes keep their darkness, and lend none.
+/// outwards from what has light. Buried nodes keep their darkness; on quadtrees, whose nodes lie apart, they lend
+/// none: on grids the darkness reaches the rim, as what stands there covers a part of the rim's cells.
 fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
     let mut lit: Vec<bool> = map.elements.iter().map(|e| e.flags & UNSOLVED == 0).collect();
     let mut fills: Vec<Fill> = Vec::new();
@@ -383,11 +384,12 @@ fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
         lit[element as usize] = true;
         fills.push(Fill { element, sources: corners, weights });
     }
-    for chart in &map.charts {
+    for (number, chart) in map.charts.iter().enumerate() {
         let first = chart.first_element as usize;
         let count = (chart.nx * chart.ny) as usize;
         let buried = |i: usize| map.elements[first + i].flags & BURIED != 0;
-        let mut known: Vec<bool> = (0..count).map(|i| lit[first + i] && !buried(i)).collect();
+        let is_tree = map.trees.get(number).is_some_and(Option::is_some);
+        let mut known: Vec<bool> = (0..count).map(|i| lit[first + i] && !(is_tree && buried(i))).collect();
         let mut open: Vec<usize> = (0..count).filter(|&i| !known[i] && !buried(i)).collect();
         loop {
             let mut layer = Vec::new();
