@@ -210,7 +210,7 @@ fn ticks([low, high]: Point) -> Vec<(f64, String)> {
     (low.floor() as i32..=high.ceil() as i32)
         .flat_map(|power| steps.iter().map(move |s| s * 10f64.powi(power)))
         .filter(|v| (low..=high).contains(&v.log10()))
-        .map(|v| (v, number::tick(v as f32)))
+        .map(|v| (v, number::tick(v as f32).replace(".00e", "e")))
         .collect()
 }
 
@@ -307,6 +307,7 @@ mod tests {
         let words = |range| ticks(range).into_iter().map(|t| t.1).collect::<Vec<_>>().join(" ");
         assert_eq!(words([-1.05, 1.1]), "0.1 0.2 0.5 1 2 5 10");
         assert_eq!(words([-2.0, 3.0]), "0.01 0.1 1 10 100 1000");
+        assert_eq!(words([-5.05, -0.95]), "1e-5 1e-4 0.001 0.01 0.1");
     }
 
     #[test]

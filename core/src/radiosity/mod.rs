@@ -64,7 +64,7 @@ pub struct RadiositySettings {
     /// Quadtrees on flat regions, split a posteriori from this spacing on; `None` solves uniform grids.
     #[serde(default)]
     pub subdivision: Option<Subdivision>,
-    /// Gather rays an element.
+    /// Gather rays an element; on quadtrees of the finest, and twice as many a level above them.
     pub gather_rays: u32,
     /// Shadow rays an area emitter and element, where it is partly hidden.
     pub shadow_rays: u32,
