@@ -7,12 +7,17 @@ use lumenscope_core::{
         inspect::KernelView,
         inspect_point::{KERNEL_SIZE, KernelPoint},
     },
+    math::{
+        frame::{mirrored, uniform_direction},
+        random::Rng,
+    },
     mirror::{MirrorSettings, inspect},
     scene::{
-        Scene, accel::Ray, brdf::Specular, fresnel, geometry::Geometry, material::Material, world::World,
+        Scene, accel::Ray, brdf::Specular, fresnel, geometry::Geometry, material::Material, mesh::Mesh,
+        world::World,
     },
 };
-use lumenscope_tests::{add, rectangle};
+use lumenscope_tests::{add, box_room, rectangle};
 
 const GOLD: Vec3 = Vec3::new(0.63, 0.56, 0.37);
 
@@ -116,4 +121,54 @@ fn the_kernel_view_lies_on_what_the_lobe_meets() {
     assert_eq!(glossy(&world, point.position + point.wo, -point.wo).unwrap().alpha, point.alpha);
     assert!(glossy(&world, eye, Vec3::NEG_Z).is_none(), "the wall is dull");
     assert!(glossy(&world, -eye, Vec3::Y).is_none(), "from below the floor is dark");
+}
+
+/// A ball of eight facets and radius 0.2 with the normals of the sphere.
+fn facets() -> Mesh {
+    let corners = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z, Vec3::Y, Vec3::NEG_Y];
+    let half = |pole: u32, turn: fn([u32; 3]) -> [u32; 3]| (0..4).map(move |i| turn([i, pole, (i + 1) % 4]));
+    Mesh {
+        positions: corners.map(|c| 0.2 * c).into(),
+        normals: corners.into(),
+        uvs: vec![Default::default(); 6],
+        triangles: half(4, |t| t).chain(half(5, |[a, b, c]| [c, b, a])).collect(),
+    }
+}
+
+#[test]
+fn no_kernel_meets_its_own_facet() {
+    let mut scene = box_room(0.5, 0.0);
+    let metal = Material { roughness: 0.3, metallic: 1.0, ..Material::default() };
+    add(&mut scene, "ball", facets(), metal);
+    let world = World::new(&scene);
+    let (low, high) = world.geometry.bounds();
+    let off_walls = |p: Vec3| (p - low).min(high - p).min_element();
+    let (mut above, mut below) = (0, 0);
+    for i in 0..400 {
+        let mut rng = Rng::new(5, i);
+        let eye = 0.4 * uniform_direction(rng.next_vec2());
+        let towards = (0.2 * uniform_direction(rng.next_vec2()) - eye).normalize();
+        let Some(hit) = world.accel.trace(&Ray::new(eye, towards)) else { panic!("the room is closed") };
+        let surface = world.geometry.surface(hit.triangle, hit.barycentric, towards);
+        let Some(point) = KernelPoint::on(&world.geometry, &surface, eye) else { continue };
+        let view = KernelView::new(&world, point, eye);
+        // Nothing before the facet's plane is the ball's: all of it is on the room's walls.
+        let footprint = &view.scene.meshes[0];
+        for t in footprint.triangles.iter().flatten() {
+            let p = footprint.positions[*t as usize];
+            // Drawn 0.2 % of up to the room's diagonal nearer.
+            assert!(off_walls(p) < 4e-3, "{p} is not on a wall");
+        }
+        let mirrored = mirrored(point.wo, point.normal);
+        if mirrored.dot(surface.geometric_normal) > 0.0 {
+            above += 1;
+            let end = point.position + view.numbers.reach_m * mirrored;
+            assert!(off_walls(end).abs() < 1e-4, "{end} is not on a wall");
+        } else {
+            below += 1;
+            assert_eq!(view.numbers.reach_m, (high - low).length());
+        }
+    }
+    println!("{above} mirrored rays leave the ball, {below} go below their facet");
+    assert!(above > 50 && below > 5);
 }

@@ -23,7 +23,8 @@ pub struct KernelNumbers {
     pub albedo: f32,
     /// Angle from the mirrored direction within which 95 % of its light comes, °.
     pub support_degrees: f32,
-    /// Distance to what the mirrored direction meets, m; that across the scene where it meets nothing.
+    /// Distance to what the mirrored direction meets, m; that across the scene where it meets nothing or
+    /// goes below a facet of a curved surface.
     pub reach_m: f32,
     /// Diameter of the support there, across the mirrored direction, m.
     pub footprint_m: f32,
@@ -67,7 +68,8 @@ impl KernelView {
         let peak = point.value(&axes, Vec2::ZERO).max(f32::MIN_POSITIVE);
         let (low, high) = geometry.bounds();
         let far = (high - low).length();
-        let origin = offset_origin(point.position, point.normal);
+        let origin = offset_origin(point.position, point.geometric_normal);
+        let meets = |wi: Vec3| world.accel.trace(&Ray::new(origin, wi)).filter(|_| point.takes(wi));
         let mut scene = InspectionScene::default();
         let mut footprint = ColouredMesh::default();
         let mut solid = ColouredMesh::default();
@@ -79,10 +81,9 @@ impl KernelView {
                 let slope = Vec2::new(cos, sin) * radius;
                 let wi = (axes * slope.extend(1.0)).normalize();
                 let weight = point.value(&axes, slope) / peak;
-                let hit = world.accel.trace(&Ray::new(origin, wi));
-                let distance = hit.map_or(far, |h| h.t);
-                let above = wi.dot(point.normal) > 0.0;
-                hits.push(hit.filter(|_| above).map(|h| h.t));
+                let hit = meets(wi).map(|h| h.t);
+                let distance = hit.unwrap_or(far);
+                hits.push(hit);
                 // A little nearer than the surface, so that it is seen.
                 footprint.positions.push(origin + wi * (distance * 0.998));
                 footprint.values.push(Vec3::splat(weight));
@@ -106,10 +107,12 @@ impl KernelView {
                 }
             }
         }
-        let reach = world.accel.trace(&Ray::new(origin, axes.z_axis)).map_or(far, |h| h.t);
+        let reach = meets(axes.z_axis).map_or(far, |h| h.t);
         let white = Vec3::splat(0.9);
         scene.lines.push(Line { ends: [eye.lerp(point.position, 0.2), point.position], colour: white });
-        scene.lines.push(Line { ends: [point.position, origin + axes.z_axis * reach], colour: white });
+        if point.takes(axes.z_axis) {
+            scene.lines.push(Line { ends: [point.position, origin + axes.z_axis * reach], colour: white });
+        }
         scene.meshes = vec![footprint, solid];
         scene.images.push(NamedImage { name: "kernel over slopes".into(), image: point.image(support) });
         scene.curves.push(lobe_curve(&point, &axes, support, peak));

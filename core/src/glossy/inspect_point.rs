@@ -28,6 +28,8 @@ pub struct KernelPoint {
     pub position: Vec3,
     /// Unit normal on the side seen.
     pub normal: Vec3,
+    /// Unit geometric normal on that side; `normal` on flat surfaces.
+    pub geometric_normal: Vec3,
     /// Unit direction to the eye.
     pub wo: Vec3,
     /// Width α of its lobe.
@@ -58,9 +60,11 @@ impl KernelPoint {
                 .min_by(|a, b| a.1.distance(p).total_cmp(&b.1.distance(p)))?,
             None => candidates.map(|r| (r, middle(r))).next()?,
         };
+        let normal = reflector.facing(eye)?;
         Some(Self {
             position,
-            normal: reflector.facing(eye)?,
+            normal,
+            geometric_normal: normal,
             wo: (eye - position).normalize_or(reflector.normal),
             alpha: geometry.materials[reflector.material as usize].alpha()?,
         })
@@ -72,8 +76,14 @@ impl KernelPoint {
         let specular =
             geometry.brdf(surface).specular.filter(|s| !s.is_mirror() && geometry.is_lit(surface))?;
         let wo = (eye - surface.position).normalize_or(surface.normal);
-        let (position, normal) = (surface.position, surface.normal);
-        (normal.dot(wo) > 0.0).then_some(Self { position, normal, wo, alpha: specular.alpha })
+        let &Surface { position, normal, geometric_normal, .. } = surface;
+        let alpha = specular.alpha;
+        (normal.dot(wo) > 0.0).then_some(Self { position, normal, geometric_normal, wo, alpha })
+    }
+
+    /// Whether light from a direction arrives from outside of the surface and its lobe takes any of it.
+    pub(super) fn takes(&self, wi: Vec3) -> bool {
+        wi.dot(self.geometric_normal) > 0.0 && wi.dot(self.normal) > 0.0
     }
 
     /// Axes about the mirrored direction: in the plane of incidence, across it, along it.
