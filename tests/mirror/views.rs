@@ -11,7 +11,7 @@ use lumenscope_core::{
         frame::{mirrored, uniform_direction},
         random::Rng,
     },
-    mirror::{MirrorSettings, inspect},
+    mirror::{MirrorSettings, inspect, reflectors::Reflectors},
     scene::{
         Scene, accel::Ray, brdf::Specular, fresnel, geometry::Geometry, material::Material, mesh::Mesh,
         world::World,
@@ -73,13 +73,17 @@ fn glossy_floor(roughness: f32) -> Scene {
     scene
 }
 
+fn near(geometry: &Geometry, eye: Vec3, place: Option<Vec3>) -> Option<KernelPoint> {
+    KernelPoint::near(geometry, &Reflectors::new(geometry), eye, place)
+}
+
 #[test]
 fn wider_lobes_need_fewer_samples() {
     let eye = Vec3::new(0.0, 1.0, 1.0);
     let mut bands = Vec::new();
     for roughness in [0.1, 0.2, 0.4] {
         let geometry = Geometry::new(&glossy_floor(roughness));
-        let point = KernelPoint::near(&geometry, eye, Some(Vec3::new(0.1, 0.5, 0.0))).unwrap();
+        let point = near(&geometry, eye, Some(Vec3::new(0.1, 0.5, 0.0))).unwrap();
         assert!(point.position.distance(Vec3::new(0.1, 0.0, 0.0)) < 1e-5 && point.normal == Vec3::Y);
         let support = point.support();
         let image = point.image(support);
@@ -91,7 +95,7 @@ fn wider_lobes_need_fewer_samples() {
                 assert!((a - b).abs() < 1e-4, "{x}, {y}: {a} {b}");
             }
         }
-        let [(curve, band), (_, across)] = point.spectrum(support);
+        let [(curve, band), (_, across)] = KernelPoint::spectrum(&image, support);
         assert!((curve[0].y - 1.0).abs() < 1e-5 && curve.iter().all(|p| p.y <= 1.0001));
         bands.push(band.max(across));
     }
@@ -103,7 +107,7 @@ fn wider_lobes_need_fewer_samples() {
 fn the_kernel_view_lies_on_what_the_lobe_meets() {
     let world = World::new(&glossy_floor(0.2));
     let eye = Vec3::new(0.0, 1.0, 1.0);
-    let point = KernelPoint::near(&world.geometry, eye, None).unwrap();
+    let point = near(&world.geometry, eye, None).unwrap();
     let shown = KernelView::new(&world, point, eye).scene;
     assert_eq!((shown.meshes.len(), shown.images.len(), shown.curves.len()), (2, 1, 3));
     let footprint = &shown.meshes[0];
@@ -113,7 +117,7 @@ fn the_kernel_view_lies_on_what_the_lobe_meets() {
         assert!((p.z + 2.0).abs() < 0.02, "{p} is not on the wall");
     }
     let dull = World::new(&lumenscope_tests::cornell());
-    assert!(KernelPoint::near(&dull.geometry, Vec3::ONE, None).is_none());
+    assert!(near(&dull.geometry, Vec3::ONE, None).is_none());
     let glossy = |world: &World, eye: Vec3, towards: Vec3| {
         let hit = world.accel.trace(&Ray::new(eye, towards)).unwrap();
         KernelPoint::on(&world.geometry, &world.geometry.surface(hit.triangle, hit.barycentric, towards), eye)
@@ -132,6 +136,7 @@ fn facets() -> Mesh {
         normals: corners.into(),
         uvs: vec![Default::default(); 6],
         triangles: half(4, |t| t).chain(half(5, |[a, b, c]| [c, b, a])).collect(),
+        ..Mesh::default()
     }
 }
 

@@ -114,9 +114,10 @@ impl KernelView {
             scene.lines.push(Line { ends: [point.position, origin + axes.z_axis * reach], colour: white });
         }
         scene.meshes = vec![footprint, solid];
-        scene.images.push(NamedImage { name: "kernel over slopes".into(), image: point.image(support) });
+        let image = point.image(support);
+        let spectra = KernelPoint::spectrum(&image, support);
+        scene.images.push(NamedImage { name: "kernel over slopes".into(), image });
         scene.curves.push(lobe_curve(&point, &axes, support, peak));
-        let spectra = point.spectrum(support);
         let numbers = KernelNumbers {
             roughness: point.alpha.sqrt(),
             view_degrees: point.wo.dot(point.normal).clamp(-1.0, 1.0).acos().to_degrees(),

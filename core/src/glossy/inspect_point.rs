@@ -39,8 +39,12 @@ pub struct KernelPoint {
 impl KernelPoint {
     /// The point of a flat glossy reflector nearest to a place, or the middle of the largest; seen from an eye.
     /// `None` where nothing is glossy or it faces away.
-    pub fn near(geometry: &Geometry, eye: Vec3, place: Option<Vec3>) -> Option<Self> {
-        let reflectors = Reflectors::new(geometry);
+    pub fn near(
+        geometry: &Geometry,
+        reflectors: &Reflectors,
+        eye: Vec3,
+        place: Option<Vec3>,
+    ) -> Option<Self> {
         let glossy = |r: &&Reflector| {
             let alpha = geometry.materials[r.material as usize].alpha();
             alpha.is_some_and(|a| a > 0.0) && r.facing(eye).is_some()
@@ -118,11 +122,10 @@ impl KernelPoint {
         image
     }
 
-    /// Amplitude of the kernel's spectrum over that at 0, by cycles a radian, in the plane of incidence and
-    /// across it; and the frequencies above which they do not matter.
-    pub fn spectrum(&self, support: f32) -> [(Vec<Vec2>, f32); 2] {
+    /// Amplitude of the spectrum of a kernel's image over that at 0, by cycles a radian, in the plane of incidence
+    /// and across it; and the frequencies above which they do not matter.
+    pub fn spectrum(image: &LinearImage, support: f32) -> [(Vec<Vec2>, f32); 2] {
         let n = KERNEL_SIZE as usize;
-        let image = self.image(support);
         let mut plane: Vec<Complex<f64>> =
             image.pixels.iter().map(|p| Complex::new(f64::from(p.x), 0.0)).collect();
         transform(&mut plane, n, n, true);
