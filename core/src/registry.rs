@@ -13,7 +13,9 @@ use crate::{
         slice,
     },
     math::part::Part,
-    mirror::{MirrorSettings, images::inspect::images as mirror_images, inspect as mirror},
+    mirror::{
+        MirrorSettings, images::inspect::images as mirror_images, inspect as mirror, reflectors::Reflectors,
+    },
     radiosity::{
         inspect as radiosity,
         inspect_lightmap::{self, Shown},
@@ -195,7 +197,12 @@ pub const VIEWS: &[ViewRow] = &[
         tooltip: "Where the lobe of the glossy point under the pointer meets the scene, coloured by f(ω, ω') cos θ' over its peak; the lobe as a solid; under Kernel the kernel as an image, its lobe, and its spectrum with the sampling it needs. Before anything glossy is pointed at, the point is that of the flat glossy surface nearest to the open probe, else the middle of the largest.",
         build: |input| {
             let (world, eye) = (&input.solution.world, input.solution.scene.camera.eye);
-            let point = KernelPoint::near(&world.geometry, eye, input.probe.map(|p| p.position))?;
+            let point = KernelPoint::near(
+                &world.geometry,
+                &Reflectors::new(&world.geometry),
+                eye,
+                input.probe.map(|p| p.position),
+            )?;
             Some(KernelView::new(world, point, eye).scene)
         },
     },

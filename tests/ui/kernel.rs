@@ -98,3 +98,26 @@ fn the_kernel_follows_the_pointer_over_what_is_glossy() {
     window.run(Command::View(Box::new(look)));
     assert!(window.app().kernel().is_none());
 }
+
+#[test]
+fn until_something_is_pointed_at_the_kernel_is_the_one_nearest_to_the_probe() {
+    let mut window = on_polished_room();
+    let first = kernel(&window);
+    let (home, mut look) = (window.view(), window.view());
+    // From within the block all of its faces are dark.
+    look.camera.eye = Vec3::new(-0.8, 0.5, -1.0);
+    window.run(Command::View(Box::new(look)));
+    window.harness.run_steps(2);
+    assert!(window.app().kernel().is_none());
+    let mut look = home;
+    window.run(Command::View(Box::new(look.clone())));
+    window.harness.run_steps(2);
+    assert_eq!(kernel(&window).point, first.point, "back before the block it appears");
+    for place in [Vec3::new(-1.0, 0.2, -0.6), Vec3::new(-0.5, 0.9, -0.6)] {
+        look.probe = Some((place + 0.02 * Vec3::Z, Vec3::Z));
+        window.run(Command::View(Box::new(look.clone())));
+        window.harness.run_steps(2);
+        let found = kernel(&window).point.position;
+        assert!(found.distance(place) < 1e-4, "{found} is not {place}");
+    }
+}

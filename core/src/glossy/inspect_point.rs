@@ -28,6 +28,8 @@ pub struct KernelPoint {
     pub position: Vec3,
     /// Unit normal on the side seen.
     pub normal: Vec3,
+    /// Unit geometric normal on that side; `normal` on flat surfaces.
+    pub geometric_normal: Vec3,
     /// Unit direction to the eye.
     pub wo: Vec3,
     /// Width α of its lobe.
@@ -37,8 +39,12 @@ pub struct KernelPoint {
 impl KernelPoint {
     /// The point of a flat glossy reflector nearest to a place, or the middle of the largest; seen from an eye.
     /// `None` where nothing is glossy or it faces away.
-    pub fn near(geometry: &Geometry, eye: Vec3, place: Option<Vec3>) -> Option<Self> {
-        let reflectors = Reflectors::new(geometry);
+    pub fn near(
+        geometry: &Geometry,
+        reflectors: &Reflectors,
+        eye: Vec3,
+        place: Option<Vec3>,
+    ) -> Option<Self> {
         let glossy = |r: &&Reflector| {
             let alpha = geometry.materials[r.material as usize].alpha();
             alpha.is_some_and(|a| a > 0.0) && r.facing(eye).is_some()
@@ -58,9 +64,11 @@ impl KernelPoint {
                 .min_by(|a, b| a.1.distance(p).total_cmp(&b.1.distance(p)))?,
             None => candidates.map(|r| (r, middle(r))).next()?,
         };
+        let normal = reflector.facing(eye)?;
         Some(Self {
             position,
-            normal: reflector.facing(eye)?,
+            normal,
+            geometric_normal: normal,
             wo: (eye - position).normalize_or(reflector.normal),
             alpha: geometry.materials[reflector.material as usize].alpha()?,
         })
@@ -72,8 +80,14 @@ impl KernelPoint {
         let specular =
             geometry.brdf(surface).specular.filter(|s| !s.is_mirror() && geometry.is_lit(surface))?;
         let wo = (eye - surface.position).normalize_or(surface.normal);
-        let (position, normal) = (surface.position, surface.normal);
-        (normal.dot(wo) > 0.0).then_some(Self { position, normal, wo, alpha: specular.alpha })
+        let &Surface { position, normal, geometric_normal, .. } = surface;
+        let alpha = specular.alpha;
+        (normal.dot(wo) > 0.0).then_some(Self { position, normal, geometric_normal, wo, alpha })
+    }
+
+    /// Whether light from a direction arrives from outside of the surface and its lobe takes any of it.
+    pub(super) fn takes(&self, wi: Vec3) -> bool {
+        wi.dot(self.geometric_normal) > 0.0 && wi.dot(self.normal) > 0.0
     }
 
     /// Axes about the mirrored direction: in the plane of incidence, across it, along it.
@@ -108,11 +122,10 @@ impl KernelPoint {
         image
     }
 
-    /// Amplitude of the kernel's spectrum over that at 0, by cycles a radian, in the plane of incidence and
-    /// across it; and the frequencies above which they do not matter.
-    pub fn spectrum(&self, support: f32) -> [(Vec<Vec2>, f32); 2] {
+    /// Amplitude of the spectrum of a kernel's image over that at 0, by cycles a radian, in the plane of incidence
+    /// and across it; and the frequencies above which they do not matter.
+    pub fn spectrum(image: &LinearImage, support: f32) -> [(Vec<Vec2>, f32); 2] {
         let n = KERNEL_SIZE as usize;
-        let image = self.image(support);
         let mut plane: Vec<Complex<f64>> =
             image.pixels.iter().map(|p| Complex::new(f64::from(p.x), 0.0)).collect();
         transform(&mut plane, n, n, true);
