@@ -177,3 +177,25 @@ fn no_kernel_meets_its_own_facet() {
     println!("{above} mirrored rays leave the ball, {below} go below their facet");
     assert!(above > 50 && below > 5);
 }
+
+#[test]
+fn a_lobe_is_shown_over_its_peak_at_grazing_angles_too() {
+    let world = World::new(&glossy_floor(0.45));
+    let (low, high) = world.geometry.bounds();
+    let far = (high - low).length();
+    for height in [1.0, 0.3, 0.1] {
+        let eye = Vec3::new(0.0, height, 1.5);
+        let point = near(&world.geometry, eye, Some(Vec3::ZERO)).unwrap();
+        let shown = KernelView::new(&world, point, eye).scene;
+        let largest = |values: &mut dyn Iterator<Item = f32>| values.fold(0.0, f32::max);
+        for mesh in &shown.meshes {
+            let peak = largest(&mut mesh.values.iter().map(|v| v.x));
+            assert!((peak - 1.0).abs() < 1e-6, "seen from {eye} its peak is {peak}");
+        }
+        let long = largest(&mut shown.meshes[1].positions.iter().map(|p| p.distance(point.position)));
+        assert!((long / (0.08 * far) - 1.0).abs() < 1e-5, "{long} m");
+        let curve = shown.curves.iter().find(|c| c.radial).unwrap();
+        let peak = largest(&mut curve.points.iter().map(|p| p.length()));
+        assert!((peak - 1.0).abs() < 1e-5, "{peak}");
+    }
+}

@@ -65,7 +65,8 @@ impl KernelView {
         let entry = LobeEntry::new(point.alpha, point.wo.dot(point.normal));
         let support = point.support();
         let axes = point.axes();
-        let peak = point.value(&axes, Vec2::ZERO).max(f32::MIN_POSITIVE);
+        // Not the mirrored direction's: at grazing angles f cos is larger beside it.
+        let peak = rings(support).map(|slope| point.value(&axes, slope)).fold(f32::MIN_POSITIVE, f32::max);
         let (low, high) = geometry.bounds();
         let far = (high - low).length();
         let origin = offset_origin(point.position, point.geometric_normal);
@@ -74,22 +75,17 @@ impl KernelView {
         let mut footprint = ColouredMesh::default();
         let mut solid = ColouredMesh::default();
         let mut hits = Vec::new();
-        for ring in 0..=RINGS {
-            let radius = support * (ring as f32 / RINGS as f32).powi(2);
-            for spoke in 0..SPOKES {
-                let (sin, cos) = (TAU * spoke as f32 / SPOKES as f32).sin_cos();
-                let slope = Vec2::new(cos, sin) * radius;
-                let wi = (axes * slope.extend(1.0)).normalize();
-                let weight = point.value(&axes, slope) / peak;
-                let hit = meets(wi).map(|h| h.t);
-                let distance = hit.unwrap_or(far);
-                hits.push(hit);
-                // A little nearer than the surface, so that it is seen.
-                footprint.positions.push(origin + wi * (distance * 0.998));
-                footprint.values.push(Vec3::splat(weight));
-                solid.positions.push(point.position + wi * (0.08 * far * weight));
-                solid.values.push(Vec3::splat(weight));
-            }
+        for slope in rings(support) {
+            let wi = (axes * slope.extend(1.0)).normalize();
+            let weight = point.value(&axes, slope) / peak;
+            let hit = meets(wi).map(|h| h.t);
+            let distance = hit.unwrap_or(far);
+            hits.push(hit);
+            // A little nearer than the surface, so that it is seen.
+            footprint.positions.push(origin + wi * (distance * 0.998));
+            footprint.values.push(Vec3::splat(weight));
+            solid.positions.push(point.position + wi * (0.08 * far * weight));
+            solid.values.push(Vec3::splat(weight));
         }
         for ring in 0..RINGS {
             for spoke in 0..SPOKES {
@@ -117,7 +113,7 @@ impl KernelView {
         let image = point.image(support);
         let spectra = KernelPoint::spectrum(&image, support);
         scene.images.push(NamedImage { name: "kernel over slopes".into(), image });
-        scene.curves.push(lobe_curve(&point, &axes, support, peak));
+        scene.curves.push(lobe_curve(&point, &axes, support));
         let numbers = KernelNumbers {
             roughness: point.alpha.sqrt(),
             view_degrees: point.wo.dot(point.normal).clamp(-1.0, 1.0).acos().to_degrees(),
@@ -154,18 +150,27 @@ impl KernelView {
     }
 }
 
+/// Slopes of the footprint's corners, ring by ring from the middle, denser there.
+fn rings(support: f32) -> impl Iterator<Item = Vec2> {
+    (0..=RINGS).flat_map(move |ring| {
+        let radius = support * (ring as f32 / RINGS as f32).powi(2);
+        (0..SPOKES).map(move |spoke| Vec2::from_angle(TAU * spoke as f32 / SPOKES as f32) * radius)
+    })
+}
+
 /// The lobe in the plane of incidence, as a radial plot: the normal upwards, its peak 1.
-fn lobe_curve(point: &KernelPoint, axes: &Mat3, support: f32, peak: f32) -> Curve {
+fn lobe_curve(point: &KernelPoint, axes: &Mat3, support: f32) -> Curve {
     let sideways = (axes.z_axis - point.normal * axes.z_axis.dot(point.normal)).normalize_or(axes.x_axis);
-    let points = (0..=120)
+    let mut points: Vec<Vec2> = (0..=120)
         .map(|i| {
             let t = i as f32 / 60.0 - 1.0;
             let slope = Vec2::new(t.abs().powi(2).copysign(t) * support, 0.0);
             let wi = (*axes * slope.extend(1.0)).normalize();
-            let value = point.value(axes, slope) / peak;
-            value * Vec2::new(wi.dot(sideways), wi.dot(point.normal))
+            point.value(axes, slope) * Vec2::new(wi.dot(sideways), wi.dot(point.normal))
         })
         .collect();
+    let peak = points.iter().map(|p| p.length()).fold(f32::MIN_POSITIVE, f32::max);
+    points.iter_mut().for_each(|p| *p /= peak);
     Curve {
         name: "lobe in the plane of incidence".into(),
         axes: ["along the surface".into(), "along the normal".into()],
