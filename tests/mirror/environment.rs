@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    glossy::environment::Environments,
+    glossy::environment::{Environments, MOST_MAPS, MapOwner},
     math::{frame::uniform_direction, random::Rng},
     reference::{path::PathTracer, radiance::radiance_with},
     scene::{Scene, accel::Ray, camera::Camera, geometry::Surface, material::Material, mesh::Mesh},
@@ -148,6 +148,25 @@ fn what_is_glossy_in_a_mirror_is_blurred() {
         // error it takes away.
         assert!(blurred < unblurred && blurred < 0.5 * as_wide, "{blurred} {unblurred} {as_wide}");
     }
+}
+
+#[test]
+fn curved_reflectors_leave_maps_to_flat_ones_in_mirrors() {
+    let metal =
+        |roughness| Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
+    let mut scene = box_room(0.5, 10.0);
+    for i in 0..MOST_MAPS {
+        let corner = Vec3::new(-0.8 + 0.1 * i as f32, 0.5, 0.0);
+        let mut curved = rectangle(corner, Vec3::X * 0.05, Vec3::Y * 0.05);
+        curved.normals.iter_mut().for_each(|n| *n = (*n + 0.2 * Vec3::X).normalize());
+        add(&mut scene, "curved", curved, metal(0.0));
+    }
+    let low = Vec3::splat(-0.9);
+    add(&mut scene, "floor", rectangle(low, Vec3::Z, Vec3::X), metal(0.3));
+    add(&mut scene, "mirror", rectangle(low, Vec3::Y, Vec3::Z), metal(0.0));
+    let maps = &solved(scene, 0.4).environments.list;
+    let flat = maps.iter().filter(|map| matches!(map.of, MapOwner::Flat { .. })).count();
+    assert_eq!((maps.len(), flat), (MOST_MAPS, 1), "one curved reflector gives way to the floor");
 }
 
 #[test]

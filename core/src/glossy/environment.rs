@@ -11,7 +11,8 @@
 //! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
 //!
 //! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, each
-//! flat glossy reflector has one, and none where that lies within something else; the reflector does not see itself and, moved, shows the map of
+//! of the eight largest flat glossy reflectors has one, and none where that lies within something else, which mirrors
+//! then show as if dull; the reflector does not see itself and, moved, shows the map of
 //! where it stood; near things shift as if on a sphere of their own distance; a lobe
 //! is as wide at every angle as it is at normal incidence, and a lobe's light is not dimmed by its own shadowing.
 
@@ -31,10 +32,10 @@ use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::{collections::BTreeMap, f32::consts::FRAC_1_PI, sync::Arc};
 
-/// Reflectors with a map, at most: the largest curved ones, then the largest flat ones.
+/// Reflectors with a map, at most: the largest flat ones, for the others the largest curved ones.
 pub const MOST_MAPS: usize = 16;
 
-/// Flat reflectors with a map, at most: they are seen in mirrors alone.
+/// Flat reflectors with a map, at most: they are seen in mirrors alone, but have nothing else to be seen by there.
 const MOST_FLAT_MAPS: usize = 8;
 
 /// Rows of the map of an ideal mirror, of a curved reflector with a wider lobe, and of a flat one; columns are
@@ -177,14 +178,16 @@ fn mapped(geometry: &Geometry) -> Vec<Mapped> {
         .list
         .iter()
         .filter(|r| reflectors.list.len() > 1 && alpha_of(r.triangles[0]) >= BLURRED_ALPHA);
-    list.extend(flat.take(MOST_FLAT_MAPS).map(|r| Mapped {
+    let flat = flat.take(MOST_FLAT_MAPS).map(|r| Mapped {
         of: MapOwner::Flat { triangle: r.triangles[0] },
         triangles: r.triangles.clone(),
         area: r.area,
         alpha: alpha_of(r.triangles[0]),
         side: (!r.double_sided).then_some(r.normal),
-    }));
-    list.truncate(MOST_MAPS);
+    });
+    let flat: Vec<Mapped> = flat.collect();
+    list.truncate(MOST_MAPS - flat.len());
+    list.extend(flat);
     list
 }
 
