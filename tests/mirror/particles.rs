@@ -324,3 +324,15 @@ fn the_density_view_counts_particles_by_area() {
     assert!(mean > even && mean < 1.4 * even);
     assert!(density(&World::new(&box_room(0.5, 0.0)), 1).is_none());
 }
+
+#[test]
+fn particles_end_where_they_carry_nothing() {
+    let mut scene = box_room(0.5, 0.0);
+    let walls = scene.materials.iter_mut().find(|m| m.name == "wall").unwrap();
+    walls.reflectance = Vec3::new(0.0, 0.9, 0.0);
+    add_point_lamp(&mut scene, Vec3::ZERO, Vec3::X);
+    let particles = traced(&World::new(&scene), 1_000, 1);
+    // Red light ends at the first green wall.
+    assert_eq!(particles.hits().count(), particles.count() as usize);
+    assert!(particles.hits().all(|(hit, power)| hit.bounces == 0 && power.x > 0.0));
+}

@@ -127,12 +127,15 @@ impl Particles {
     }
 }
 
-/// The hits of one particle. It goes on with the probability that the scattered direction's weight has.
+/// The hits of one particle, as long as it carries anything. It goes on with the probability that the scattered direction's weight has.
 fn way(world: &World, emitter: &Emitter, emission: &Emission, rng: &mut Rng) -> Vec<ParticleHit> {
     let geometry = &world.geometry;
     let (mut ray, mut attenuation) = emission.send(geometry, emitter, rng);
     let mut hits = Vec::new();
     for bounces in 0..MOST_BOUNCES {
+        if emission.flux * attenuation == Vec3::ZERO {
+            break;
+        }
         let Some(hit) = world.accel.trace(&ray) else { break };
         let surface = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
         let (brdf, wi) = (geometry.brdf(&surface), -ray.direction);
