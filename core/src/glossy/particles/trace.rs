@@ -100,11 +100,13 @@ impl Particles {
         let all: f64 = self.sent.iter().map(|s| f64::from(luminance(s.flux))).sum();
         let wanted =
             |s: &Sent| (f64::from(total) * f64::from(luminance(s.flux)) / all.max(1e-300)).ceil() as u32;
+        let in_all: u64 = self.sent.iter().map(|s| u64::from(wanted(s))).sum();
+        let mut before = 0;
         for (number, (sent, emitter)) in self.sent.iter_mut().zip(&world.emitters.list).enumerate() {
             let emission = Emission::new(&world.geometry, emitter);
             let wanted = wanted(sent);
             while sent.count < wanted {
-                progress.report(sent.count as f32 / wanted as f32)?;
+                progress.report((before + u64::from(sent.count)) as f32 / in_all as f32)?;
                 let batch = sent.count..wanted.min(sent.count.saturating_add(BATCH));
                 let item = |k: u32| (number as u64) << 32 | u64::from(k);
                 let hits: Vec<ParticleHit> = batch
@@ -122,6 +124,7 @@ impl Particles {
                 sent.hits.extend(hits);
                 sent.count = batch.end;
             }
+            before += u64::from(wanted);
         }
         progress.report(1.0)
     }
