@@ -95,7 +95,7 @@ impl LobeTable {
         Self { alpha, entries }
     }
 
-    /// Between the entries around a cosine. Has a twin in `shaders/glossy/lobes.wgsl`.
+    /// Between the entries around a cosine. Has a twin in `shaders/glossy/convolve.wgsl`.
     pub fn at(&self, cos_theta: f32) -> LobeEntry {
         let x = cos_theta.clamp(0.0, 1.0) * (ANGLES - 1) as f32;
         let i = (x as usize).min(ANGLES - 2);
