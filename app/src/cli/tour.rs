@@ -44,7 +44,7 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     if only.is_none() {
         tour.empty()?;
     }
-    let parts: [(Example, Part); 4] = [
+    let parts: [(Example, Scenes); 4] = [
         (Example::Office, Tour::office),
         (Example::Cornell, Tour::cornell),
         (Example::Teapot, Tour::teapot),
@@ -57,7 +57,7 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
 }
 
 /// What is photographed of one example.
-type Part = fn(&mut Tour) -> anyhow::Result<()>;
+type Scenes = fn(&mut Tour) -> anyhow::Result<()>;
 
 struct Tour {
     harness: Harness<'static, LumenscopeApp>,
