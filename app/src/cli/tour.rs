@@ -7,6 +7,7 @@ use crate::{
     command::{Command, Window as WindowCommand},
     examples::Example,
     lightmaps::{LIGHTMAPS, LightmapFile, coordinates},
+    pipeline::KERNEL,
     placement::{PLACEMENT, Placement, Site},
     session::{Compare, Document, View, VolumeView},
 };
@@ -225,6 +226,13 @@ impl Tour {
         self.open(Example::Teapot)?;
         self.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
         self.photograph("specular", GRAIN)?;
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        self.view(|view| view.show(KERNEL, true));
+        let viewport = self.harness.get_by_label("viewport").rect();
+        self.harness.hover_at(viewport.lerp_inside(egui::vec2(0.35, 0.75)));
+        self.wait("the kernel", |app| !app.is_busy())?;
+        self.photograph("kernel", GRAIN)?;
+        self.view(|view| view.show(KERNEL, false));
         Ok(())
     }
 
