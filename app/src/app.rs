@@ -213,7 +213,7 @@ impl LumenscopeApp {
                     // Another may have been opened meanwhile.
                     if self.session.lightmap_file.as_ref() == Some(&judged.file) {
                         self.session.lightmap = Some(judged);
-                        if self.session.document.view.views.iter().any(|v| LIGHTMAPS.contains(&v.as_str())) {
+                        if LIGHTMAPS.into_iter().any(|id| self.session.document.view.shows(id)) {
                             self.carry_out(ctx, Effect::Inspect);
                         }
                     }

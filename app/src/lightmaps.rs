@@ -158,9 +158,7 @@ impl JudgedLightmap {
             Err(LightmapError::Cancelled(cancelled)) => return Err(cancelled.into()),
             judged => judged.with_context(|| file.path.display().to_string())?,
         };
-        for pixel in &mut map.pixels {
-            *pixel = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
-        }
+        map.clear_invalid();
         let column = |value: fn(&JudgedTexel) -> Vec3| report.texels.iter().map(value).collect::<Vec<_>>();
         let errors = relative_errors(&column(|t| t.found), &column(|t| t.ours))?;
         let faults = faults(&report, &map, solution);

@@ -47,40 +47,8 @@ pub fn grotto(seed: u64) -> Model {
 
 /// A cuboid without its bottom.
 fn open_box(low: glam::DVec3, high: glam::DVec3) -> Shape {
-    let corner = |x: bool, y: bool, z: bool| {
-        let pick = |high_side: bool, low: f64, high: f64| if high_side { high } else { low };
-        v(pick(x, low.x, high.x), pick(y, low.y, high.y), pick(z, low.z, high.z))
-    };
-    Shape::join([
-        plain([
-            corner(false, true, true),
-            corner(true, true, true),
-            corner(true, true, false),
-            corner(false, true, false),
-        ]),
-        plain([
-            corner(false, false, true),
-            corner(true, false, true),
-            corner(true, true, true),
-            corner(false, true, true),
-        ]),
-        plain([
-            corner(true, false, true),
-            corner(true, false, false),
-            corner(true, true, false),
-            corner(true, true, true),
-        ]),
-        plain([
-            corner(true, false, false),
-            corner(false, false, false),
-            corner(false, true, false),
-            corner(true, true, false),
-        ]),
-        plain([
-            corner(false, false, false),
-            corner(false, false, true),
-            corner(false, true, true),
-            corner(false, true, false),
-        ]),
-    ])
+    let mut shape = cuboid(low, high);
+    let normals = &shape.normals;
+    shape.triangles.retain(|t| normals[t[0] as usize].y > -0.5);
+    shape
 }

@@ -2,13 +2,19 @@
 
 use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{
-    math::{colour::luminance, image::LinearImage, part::Part, progress::Progress, random::Rng},
+    math::{
+        colour::luminance,
+        image::LinearImage,
+        part::Part,
+        progress::{Cancelled, Progress},
+        random::Rng,
+    },
     measure::irradiance::relative_errors,
     radiosity::{
         RadiositySettings, RadiositySolution,
         atlas::{Atlas, bake, lookup},
         inspect_lightmap::{Shown, on_surfaces},
-        lightmap::{LightmapError, LightmapReport, judge},
+        lightmap::{LightmapReport, judge},
         texels::{self, Coverage},
     },
     scene::{Scene, accel::Ray, world::World},
@@ -54,6 +60,10 @@ fn errors(report: &LightmapReport) -> f64 {
 }
 
 type Uvs = Vec<Option<[Vec2; 3]>>;
+
+fn cover(world: &World, uvs: &Uvs, size: [u32; 2]) -> Coverage {
+    Coverage::new(world, uvs, size).expect("texels")
+}
 
 #[test]
 fn our_own_bake_has_no_fault_and_each_fault_is_found() {
@@ -117,7 +127,7 @@ fn our_light_baked_onto_coordinates_of_a_file_has_no_fault() {
     let (_, uvs) = bake(&solution, Part::All, 2);
     let silent = Progress::silent();
     let size = [160, 160];
-    let map = texels::bake(&world, &solution, &uvs, size, 2, &silent).expect("bakes");
+    let map = texels::bake(&world, &solution, &cover(&world, &uvs, size), 2, &silent).expect("bakes");
     let report = judge(&world, &solution, &map, &uvs, &silent).expect("a lightmap");
     assert!(errors(&report) == 0.0 && report.seams.is_empty() && report.dark.is_empty());
     // Padding repeats the light of the chart: bilinear lookup at its corners meets no black.
@@ -157,7 +167,8 @@ fn texels_are_lit_at_their_middles() {
     let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
     let uvs: Vec<_> = world.geometry.lightmap_uvs.iter().map(|uvs| Some(*uvs)).collect();
     const SIDE: u32 = 12;
-    let map = texels::bake(&world, &solution, &uvs, [SIDE; 2], 0, &Progress::silent()).expect("bakes");
+    let map = texels::bake(&world, &solution, &cover(&world, &uvs, [SIDE; 2]), 0, &Progress::silent())
+        .expect("bakes");
     for y in 0..SIDE {
         for x in 0..SIDE {
             // u runs along x and v, downwards, along z.
@@ -174,7 +185,7 @@ fn coordinates_that_repeat_or_cover_nothing_are_refused() {
     let (world, solution) = room();
     let over = |uvs: [Vec2; 3]| {
         let uvs = vec![Some(uvs); world.geometry.len()];
-        texels::bake(&world, &solution, &uvs, [64, 64], 0, &Progress::silent()).map_err(|e| e.to_string())
+        Coverage::new(&world, &uvs, [64; 2]).map_err(|e| e.to_string())
     };
     // Twelve triangles over half the map each: six times.
     let half = [Vec2::ZERO, Vec2::X, Vec2::Y];
@@ -195,8 +206,8 @@ fn coordinates_that_repeat_or_cover_nothing_are_refused() {
     let cancelled = Progress::default();
     cancelled.cancel();
     let (_, uvs) = bake(&solution, Part::All, 2);
-    let stopped = texels::bake(&world, &solution, &uvs, [64, 64], 0, &cancelled);
-    assert!(matches!(stopped, Err(LightmapError::Cancelled(_))));
+    let stopped = texels::bake(&world, &solution, &cover(&world, &uvs, [64; 2]), 0, &cancelled);
+    assert_eq!(stopped, Err(Cancelled));
 }
 
 #[test]

@@ -47,22 +47,20 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         bail!("--size: {side} is more than {MOST_TEXELS} texels");
     }
     let loaded = solve::load(&options.scene, common)?;
-    let refused = || format!("{} (--atlas packs coordinates of its own)", options.scene.display());
-    if options.atlas.is_none() {
-        // What cannot be baked onto is told before anything is solved.
-        let world = World::new(&loaded.scene);
-        Coverage::new(&world, &coordinates(&world), options.size).with_context(refused)?;
-    }
-    let solution = solve::solve(&loaded, false)?;
-    let (world, radiosity) = (&solution.world, &solution.radiosity);
     let map = match &options.atlas {
-        None => solve::watched(|progress| {
-            texels::bake(world, radiosity, &coordinates(world), options.size, options.padding, progress)
-        })
-        .with_context(refused)?,
+        None => {
+            // What cannot be baked onto is told before anything is solved.
+            let world = World::new(&loaded.scene);
+            let coverage = Coverage::new(&world, &coordinates(&world), options.size).with_context(|| {
+                format!("{} (--atlas packs coordinates of its own)", options.scene.display())
+            })?;
+            let radiosity = &solve::solve(&loaded, false)?.radiosity;
+            solve::watched(|p| texels::bake(&world, radiosity, &coverage, options.padding, p))?
+        }
         Some(path) => {
-            let (map, uvs) = atlas::bake(radiosity, Part::All, options.padding);
-            solve::write(path, &obj(&world.geometry, &uvs))?;
+            let solution = solve::solve(&loaded, false)?;
+            let (map, uvs) = atlas::bake(&solution.radiosity, Part::All, options.padding);
+            solve::write(path, &obj(&solution.world.geometry, &uvs))?;
             let mapped = uvs.iter().flatten().count();
             println!("{}: {mapped} of {} triangles have coordinates", path.display(), uvs.len());
             map

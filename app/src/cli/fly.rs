@@ -237,7 +237,8 @@ fn walk_once(
         Ok((milliseconds, renderer.mirrored_views(), stages))
     };
     // Pipelines are compiled when first used, and llvmpipe runs what it has just compiled several times slower
-    // than what it has from its cache: so one renderer that is thrown away, then the one that is timed.
+    // than what it has from its cache: so one renderer that is thrown away, then the one that is timed. The cache
+    // is written in its own time, so only a second run of the command is sure to have all from it.
     draw(&mut renderer()?, 0.0)?;
     let mut renderer = renderer()?;
     for share in [0.0, 0.4] {

@@ -19,7 +19,10 @@ use lumenscope_core::{
     irradiance_volume::inspect::ColourBy,
     math::{false_colour::FalseColour, part::Part, progress::Progress},
     measure::grid_texture::GridReference,
-    radiosity::{texels, texture::display::Filter},
+    radiosity::{
+        texels::{self, Coverage},
+        texture::display::Filter,
+    },
     scene::Target,
 };
 use std::{
@@ -293,8 +296,8 @@ impl Tour {
         self.view(|view| view.compare = Compare::default());
         let solution = self.harness.state().session().solution.clone().context("there is no light")?;
         let (world, progress) = (&solution.world, Progress::silent());
-        let uvs = coordinates(world);
-        let map = texels::bake(world, &solution.radiosity, &uvs, [TEXELS; 2], 2, &progress)?;
+        let coverage = Coverage::new(world, &coordinates(world), [TEXELS; 2])?;
+        let map = texels::bake(world, &solution.radiosity, &coverage, 2, &progress)?;
         let path = self.folder.join("cornell lightmap.exr");
         exr::write_layers(&path, &[("", &map)], "irradiance, lx")?;
         self.drag("Tall block", Vec3::new(0.07, 0.0, 0.0))?;

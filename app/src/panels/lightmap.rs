@@ -77,11 +77,11 @@ fn in_scene(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             .on_hover_text("Shows it on the surfaces it was baked for; green lines are seams");
         edit_view(&session.document.view, out, |view| {
             for (id, name) in LIGHTMAPS.into_iter().zip(["the lightmap", "its difference"]) {
-                let mut on = view.views.iter().any(|v| v == id);
+                let mut on = view.shows(id);
                 if ui.checkbox(&mut on, name).changed() {
                     // One covers the other.
-                    view.views.retain(|v| !LIGHTMAPS.contains(&v.as_str()));
-                    view.views.extend(on.then(|| id.to_owned()));
+                    LIGHTMAPS.into_iter().for_each(|id| view.show(id, false));
+                    view.show(id, on);
                 }
             }
         });

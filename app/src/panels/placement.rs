@@ -36,13 +36,10 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
         );
     } else {
         task(ui, &mut changed, &mut drag);
-        let mut shown = session.document.view.views.iter().any(|v| v == PLACEMENT);
+        let mut shown = session.document.view.shows(PLACEMENT);
         let hint = "False colour and lines of equal illuminance on the plane itself";
         if ui.checkbox(&mut shown, "Show in the picture").on_hover_text(hint).changed() {
-            edit_view(&session.document.view, out, |view| {
-                view.views.retain(|v| v != PLACEMENT);
-                view.views.extend(shown.then(|| PLACEMENT.to_owned()));
-            });
+            edit_view(&session.document.view, out, |view| view.show(PLACEMENT, shown));
         }
         match session.measurement.as_deref() {
             Some(measured) => result(ui, measured, &changed.requirement),

@@ -2,8 +2,8 @@
 //!
 //! Made on the window's own thread, only when the pointer, the camera, the light or the open probe changes: 441 rays
 //! into the lobe, 880 from the eye to what is painted, the lobe's value at 4,096 slopes and their Fourier transform,
-//! 512 draws from the lobe; and, until something is pointed at, once a scene its flat reflectors. Painted over the picture, not into it: it follows
-//! the pointer at once, however long the picture takes.
+//! 512 draws from the lobe; and, until something is pointed at, once a scene its flat reflectors. Painted over the
+//! picture, not into it: it follows the pointer at once, however long the picture takes.
 
 use super::{
     pick::{Glance, first_surface},

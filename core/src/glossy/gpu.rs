@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     gpu::{
-        renderer::compute_pipeline,
+        pipelines::compute_pipeline,
         scene::SceneTables,
         shaders,
         storage::{Binding, bind, create, layout, uniform},

@@ -3,7 +3,7 @@
 use super::{
     device::GpuError,
     frame::FalseColourTable,
-    renderer::{Raster, render_pipeline},
+    pipelines::{Raster, render_pipeline},
     shaders,
     storage::{Binding, Storage, bind, layout, uniform},
     targets::Targets,

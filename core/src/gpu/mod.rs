@@ -9,6 +9,7 @@ pub mod frame;
 mod indices;
 pub mod inspection;
 pub mod offline;
+pub(crate) mod pipelines;
 mod readback;
 pub mod renderer;
 pub(crate) mod scene;

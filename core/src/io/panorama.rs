@@ -12,9 +12,7 @@ use std::path::Path;
 /// [`IoError::Read`] naming the file and the cause.
 pub fn read(path: &Path) -> Result<LinearImage, IoError> {
     let mut image = read_as_written(path)?;
-    for pixel in &mut image.pixels {
-        *pixel = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
-    }
+    image.clear_invalid();
     Ok(image)
 }
 

@@ -31,6 +31,13 @@ impl LinearImage {
         image
     }
 
+    /// Makes pixels black that are not finite, and cuts negative values off.
+    pub fn clear_invalid(&mut self) {
+        for pixel in &mut self.pixels {
+            *pixel = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
+        }
+    }
+
     /// Pixel at column `x`, row `y`.
     ///
     /// # Panics

@@ -15,7 +15,7 @@ use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    renderer::{Raster, compute_variant, render_pipeline},
+    pipelines::{Raster, compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},

@@ -36,6 +36,8 @@ pub struct Texel {
 /// What the triangles of a scene cover of a lightmap.
 #[derive(Clone, Debug, Default)]
 pub struct Coverage {
+    /// Columns and rows of the map.
+    pub size: [u32; 2],
     /// Covered texels, by row and column.
     pub texels: Vec<Texel>,
     /// Triangles whose coordinates are no triangle or leave the unit square.
@@ -59,7 +61,7 @@ impl Coverage {
         let [width, height] = size;
         let size = Vec2::new(width as f32, height as f32);
         let outside = |p: &Vec2| p.is_nan() || p.min_element() < -0.5 || (*p - size).max_element() > 0.5;
-        let mut coverage = Self::default();
+        let mut coverage = Self { size: [width, height], ..Self::default() };
         let mut mapped = Vec::new();
         for (t, uvs) in uvs.iter().enumerate().filter_map(|(t, uvs)| Some((t as u32, (*uvs)?))) {
             let corners = uvs.map(|uv| uv * size);
@@ -130,21 +132,20 @@ impl Coverage {
     }
 }
 
-/// Our irradiance as a lightmap over texture coordinates, lx: fronts only, direct light evaluated at the middle
+/// Our irradiance as a lightmap over what is covered of it, lx: fronts only, direct light evaluated at the middle
 /// of each texel, and around each chart `padding` texels that repeat their neighbours' mean.
 ///
 /// # Errors
-/// As [`Coverage::new`] and [`Coverage::light`].
+/// [`Cancelled`].
 pub fn bake(
     world: &World,
     solution: &RadiositySolution,
-    uvs: &[Option<[Vec2; 3]>],
-    [width, height]: [u32; 2],
+    coverage: &Coverage,
     padding: u32,
     progress: &Progress,
-) -> Result<LinearImage, LightmapError> {
+) -> Result<LinearImage, Cancelled> {
     progress.begin("baking a lightmap");
-    let coverage = Coverage::new(world, uvs, [width, height])?;
+    let [width, height] = coverage.size;
     let mut known: Vec<Option<Vec3>> = vec![None; (width * height) as usize];
     for (texel, (_, light)) in coverage.texels.iter().zip(coverage.light(world, solution, progress)?) {
         known[(texel.at[1] * width + texel.at[0]) as usize] = Some(light);

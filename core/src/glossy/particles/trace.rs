@@ -130,7 +130,8 @@ impl Particles {
     }
 }
 
-/// The hits of one particle, as long as it carries anything. It goes on with the probability that the scattered direction's weight has.
+/// The hits of one particle, as long as it carries anything. It goes on with the probability that the scattered
+/// direction's weight has.
 fn way(world: &World, emitter: &Emitter, emission: &Emission, rng: &mut Rng) -> Vec<ParticleHit> {
     let geometry = &world.geometry;
     let (mut ray, mut attenuation) = emission.send(geometry, emitter, rng);
