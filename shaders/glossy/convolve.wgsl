@@ -81,19 +81,38 @@ fn lens_direction(at: vec2f) -> vec3f {
         + frame.up * ((1.0 - 2.0 * uv.y) * frame.half_size.y));
 }
 
+// Twin of `reach`.
+fn reach(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> f32 {
+    let pixel_angle = 2.0 * frame.half_size.y / f32(frame.size.y);
+    let last = step.level_count - 1u;
+    let own = texel_at(0u, pixel.x, pixel.y);
+    let reach_level = min(REACH_LEVEL, last);
+    let place = (vec2f(pixel) + 0.5) / f32(1u << reach_level) - 0.5;
+    let corner = floor(place);
+    let f = place - corner;
+    var around = vec2f(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let d = vec2i(i32(i & 1u), i32(i >> 1u));
+        let texel = texel_at(reach_level, i32(corner.x) + d.x, i32(corner.y) + d.y);
+        if texel.reflector == reflector {
+            let w = select(1.0 - f, f, d == vec2i(1));
+            around += vec2f(texel.nearness, 1.0) * (w.x * w.y * texel.coverage);
+        }
+    }
+    var nearness = own.nearness;
+    if around.y > 0.0 {
+        nearness = min(nearness, around.x / around.y);
+    }
+    let share = 1.0 - min(length(point.from_eye) * nearness, 1.0);
+    return share * support / pixel_angle;
+}
+
 // Twin of `gather`.
 fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> vec3f {
     let pixel_angle = 2.0 * frame.half_size.y / f32(frame.size.y);
     let last = step.level_count - 1u;
     let own = texel_at(0u, pixel.x, pixel.y);
-    let reach_level = min(REACH_LEVEL, last);
-    let around = texel_at(reach_level, pixel.x >> reach_level, pixel.y >> reach_level);
-    var nearness = own.nearness;
-    if around.reflector == reflector {
-        nearness = min(nearness, around.nearness);
-    }
-    let share = 1.0 - min(length(point.from_eye) * nearness, 1.0);
-    let radius = share * support / pixel_angle;
+    let radius = reach(point, pixel, reflector, support);
     var sum = vec3f(0.0);
     var weights = 0.0;
     for (var level = 0u; level <= last; level++) {
@@ -174,8 +193,12 @@ fn put(pixel: GlossyPixel, radiance: vec3f) {
 
 @compute @workgroup_size(8, 8)
 fn scatter(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = glossy_pixel(id.xy);
+    if is_beyond(info.levels[0], id.xy) {
+        return;
+    }
+    let at = texel_of(info.levels[0], id.xy);
+    let pixel = glossy_pixel(at);
     if pixel.known {
-        put(pixel, gather(pixel.point, vec2i(id.xy), pixel.reflector, pixel.support));
+        put(pixel, gather(pixel.point, vec2i(at), pixel.reflector, pixel.support));
     }
 }

@@ -131,10 +131,11 @@ fn measure(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
 @compute @workgroup_size(8, 8)
 fn convolve(@builtin(global_invocation_id) id: vec3u) {
     let here = info.levels[step.level];
-    if id.x >= here.width || id.y >= here.height {
+    if is_beyond(here, id.xy) {
         return;
     }
-    let own = texel_at(step.level, i32(id.x), i32(id.y));
+    let at = texel_of(here, id.xy);
+    let own = texel_at(step.level, i32(at.x), i32(at.y));
     let slot = slot_of(own.reflector);
     if slot == NONE || kernels[slot].known == 0u || kernels[slot].level != step.level {
         return;
@@ -144,7 +145,7 @@ fn convolve(@builtin(global_invocation_id) id: vec3u) {
     var weights = 0.0;
     for (var dy = -r; dy <= r; dy++) {
         for (var dx = -r; dx <= r; dx++) {
-            let texel = texel_at(step.level, i32(id.x) + dx, i32(id.y) + dy);
+            let texel = texel_at(step.level, i32(at.x) + dx, i32(at.y) + dy);
             if texel.reflector == own.reflector {
                 let weight = kernels[slot].weights[u32((dy + r) * (2 * r + 1) + dx + r)] * texel.coverage;
                 sum += texel.radiance * weight;
@@ -156,7 +157,7 @@ fn convolve(@builtin(global_invocation_id) id: vec3u) {
     if weights > 0.0 && weights < 3e38 {
         radiance = sum / weights;
     }
-    convolved[here.first + id.y * here.width + id.x] = vec4f(radiance, 0.0);
+    convolved[texel_place(here, at.x, at.y)] = vec4f(radiance, 0.0);
 }
 
 // Twin of `Kernel::at_pixel`.
@@ -173,7 +174,7 @@ fn convolved_at(slot: u32, reflector: u32, pixel: vec2u, own: vec3f) -> vec3f {
         let texel = vec2i(low) + d;
         if texel_at(level, texel.x, texel.y).reflector == reflector {
             let w = select(1.0 - f, f, d == vec2i(1));
-            sum += convolved[here.first + u32(texel.y) * here.width + u32(texel.x)].xyz * (w.x * w.y);
+            sum += convolved[texel_place(here, u32(texel.x), u32(texel.y))].xyz * (w.x * w.y);
             weights += w.x * w.y;
         }
     }
@@ -185,15 +186,19 @@ fn convolved_at(slot: u32, reflector: u32, pixel: vec2u, own: vec3f) -> vec3f {
 
 @compute @workgroup_size(8, 8)
 fn scatter_invariant(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = glossy_pixel(id.xy);
+    if is_beyond(info.levels[0], id.xy) {
+        return;
+    }
+    let at = texel_of(info.levels[0], id.xy);
+    let pixel = glossy_pixel(at);
     if !pixel.known {
         return;
     }
-    let own = texel_at(0u, i32(id.x), i32(id.y)).radiance;
+    let own = texel_at(0u, i32(at.x), i32(at.y)).radiance;
     let slot = slot_of(pixel.reflector);
     if slot == NONE || kernels[slot].known == 0u {
         put(pixel, own);
     } else {
-        put(pixel, convolved_at(slot, pixel.reflector, id.xy, own));
+        put(pixel, convolved_at(slot, pixel.reflector, at, own));
     }
 }

@@ -15,7 +15,12 @@ struct LevelInfo {
     first: u32,
     width: u32,
     height: u32,
-    padding: u32,
+    // Its first column and row in the level of the whole picture.
+    column: u32,
+    row: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 struct PyramidInfo {
@@ -42,26 +47,48 @@ fn no_texel() -> Texel {
     return Texel(vec3f(0.0), 0.0, 0.0, NONE, 0u, 0u);
 }
 
+// Whether a level holds a texel of the whole picture's.
+fn level_holds(here: LevelInfo, x: i32, y: i32) -> bool {
+    let column = x - i32(here.column);
+    let row = y - i32(here.row);
+    return column >= 0 && row >= 0 && column < i32(here.width) && row < i32(here.height);
+}
+
+fn texel_place(here: LevelInfo, x: u32, y: u32) -> u32 {
+    return here.first + (y - here.row) * here.width + x - here.column;
+}
+
 fn texel_at(level: u32, x: i32, y: i32) -> Texel {
     let here = info.levels[level];
-    if x < 0 || y < 0 || x >= i32(here.width) || y >= i32(here.height) {
+    if !level_holds(here, x, y) {
         return no_texel();
     }
-    return pyramid[here.first + u32(y) * here.width + u32(x)];
+    return pyramid[texel_place(here, u32(x), u32(y))];
+}
+
+// Texel of the whole picture that an invocation is for; the rest of its block lies beyond the rectangle.
+fn texel_of(here: LevelInfo, id: vec2u) -> vec2u {
+    return id + vec2u(here.column, here.row);
+}
+
+fn is_beyond(here: LevelInfo, id: vec2u) -> bool {
+    return id.x >= here.width || id.y >= here.height;
 }
 
 // What each pixel mirrors, unfolded.
 @compute @workgroup_size(8, 8)
 fn unfold(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= frame.size) {
+    let here = info.levels[0];
+    if is_beyond(here, id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
-    let seen = textureLoad(seen_triangles, id.xy, 0).x;
-    let state = state_of(frame.size, pixel);
+    let at = texel_of(here, id.xy);
+    let seen = textureLoad(seen_triangles, at, 0).x;
+    let state = state_of(frame.size, at.y * frame.size.x + at.x);
     var texel = no_texel();
-    if seen != 0u && layers[state + 6u] != NOT_MIRRORED {
-        let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id.xy, frame.subpixel));
+    if seen != 0u && layers[state + 6u] != NOT_MIRRORED
+        && lobe_of(materials[triangles[seen - 1u].material].alpha) != NONE {
+        let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, at, frame.subpixel));
         let distance = layers[state + 6u];
         texel.radiance = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
         if distance < 1e30 {
@@ -70,18 +97,19 @@ fn unfold(@builtin(global_invocation_id) id: vec3u) {
         texel.coverage = 1.0;
         texel.reflector = triangles[surface.triangle].reflector;
     }
-    pyramid[pixel] = texel;
+    pyramid[texel_place(here, at.x, at.y)] = texel;
 }
 
 // Twin of `Texel::merged`, for one texel of a level.
 @compute @workgroup_size(8, 8)
 fn halve(@builtin(global_invocation_id) id: vec3u) {
     let here = info.levels[step.level];
-    if id.x >= here.width || id.y >= here.height {
+    if is_beyond(here, id.xy) {
         return;
     }
-    let x = 2 * i32(id.x);
-    let y = 2 * i32(id.y);
+    let at = texel_of(here, id.xy);
+    let x = 2 * i32(at.x);
+    let y = 2 * i32(at.y);
     let fine = step.level - 1u;
     var four = array<Texel, 4>(
         texel_at(fine, x, y),
@@ -111,5 +139,5 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
         merged.coverage = 0.25 * sum;
         merged.reflector = reflector;
     }
-    pyramid[here.first + id.y * here.width + id.x] = merged;
+    pyramid[texel_place(here, at.x, at.y)] = merged;
 }

@@ -1,11 +1,8 @@
-//! Specular reflection: materials, mirrors, glossy surfaces.
+//! Specular reflection: materials, mirrors, what they throw.
 
 mod brdf;
 mod culling;
-mod environment;
-mod glossy;
 mod images;
-mod particles;
 mod planar;
 mod thrown;
 mod views;

@@ -106,6 +106,40 @@ fn one_kernel_a_reflector_is_the_specifications() {
     }
 }
 
+/// A solution with every glossy material's roughness and the method replaced, as the plan and the materials panel do.
+fn edited(solution: &LightTransportSolution, roughness: f32, method: GlossyMethod) -> LightTransportSolution {
+    let mut scene = (*solution.scene).clone();
+    scene.plan.glossy = Some(method);
+    for material in scene.materials.iter_mut().filter(|m| m.alpha().is_some_and(|alpha| alpha > 0.0)) {
+        material.roughness = roughness;
+    }
+    let world = Arc::new(World::new(&scene));
+    LightTransportSolution { scene: Arc::new(scene), world, ..solution.clone() }
+}
+
+#[test]
+fn lobes_follow_a_material_and_every_method_is_its_specification_within_the_glossy_rectangle() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = mirrored();
+    // Close to a part of the floor, so that what is glossy fills a corner of the picture.
+    let camera =
+        Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.9, -0.5), ..Camera::default() };
+    gpu.upload(&edited(&solution, 0.1, GlossyMethod::Variant));
+    for roughness in [0.3, 0.45] {
+        for method in [GlossyMethod::Variant, GlossyMethod::VariantHalf, GlossyMethod::Invariant] {
+            // Nothing but a material's value changed: the same structure on the device, other lobes.
+            let solution = edited(&solution, roughness, method);
+            gpu.upload(&solution);
+            gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+            let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+            let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+            let name = format!("roughness {roughness}, {}", method.name());
+            compare_layers(&name, &[Layer::Glossy], (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+        }
+    }
+}
+
 #[test]
 fn culling_changes_no_pixel() {
     let Some(context) = context() else { return };

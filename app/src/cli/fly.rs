@@ -1,6 +1,6 @@
 //! `fly`: a recorded walk on the GPU twin, and what flat reflectors cost it, as Bastos 1999, Fig. 6.20 asks.
 
-use super::{Common, fly_path::Walk, parse_size, solve};
+use super::{Common, fly_path::Walk, parse_glossy, parse_size, solve};
 use anyhow::{Context, bail};
 use clap::Args;
 use lumenscope_core::{
@@ -34,9 +34,10 @@ pub struct Options {
     /// Numbers of reflectors that reflect, the largest first: `5`, `0,5` or `0..5`.
     #[arg(long, default_value = "0..5", value_parser = parse_counts)]
     reflectors: Counts,
-    /// Convolve what glossy surfaces mirror; otherwise they mirror sharply.
-    #[arg(long)]
-    glossy: bool,
+    /// Convolve what glossy surfaces mirror, by this method: variant, invariant (the default) or sharp. Without it
+    /// they mirror sharply.
+    #[arg(long, value_parser = parse_glossy, num_args = 0..=1, default_missing_value = "invariant")]
+    glossy: Option<GlossyMethod>,
     /// Mirrors that light is followed through; the scene's plan by default.
     #[arg(long)]
     depth: Option<u32>,
@@ -117,35 +118,40 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     }
     let context = GpuContext::headless_with(StageClock::FEATURES)?;
     let timed = StageClock::new(&context.device, &context.queue).is_some();
+    let (plain, wanted) = (GlossyMethod::Sharp, options.glossy.unwrap_or(GlossyMethod::Sharp));
     let [width, height] = options.size;
     println!(
-        "{}: {} triangles, {} frames of {width}x{height} on {}, mirrors to depth {}, {}",
+        "{}: {} triangles, {} frames of {width}x{height} on {}, mirrors to depth {}, glossy {}, {}",
         options.scene.display(),
         solution.world.geometry.len(),
         options.frames,
         context.adapter,
         with_reflectors(&solution, found, options).1,
+        wanted.name(),
         if timed { "stages by timestamps" } else { "stages by differences" }
     );
     println!(
         "{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}",
         "reflectors", "views", "median ms", "95 % ms", "frames/s", "views %", "convol. %", "shading %"
     );
-    let measure = |count: usize, glossy: bool| {
-        let (solution, _) = with_reflectors(&solution, count, options);
-        walk_once(&context, &solution, &walk, count, options, glossy)
+    let measure = |count: usize, glossy: GlossyMethod| {
+        let (mut solution, _) = with_reflectors(&solution, count, options);
+        let mut scene = (*solution.scene).clone();
+        scene.plan.glossy = Some(glossy);
+        solution.scene = Arc::new(scene);
+        walk_once(&context, &solution, &walk, count, options)
     };
     // Without reflectors twice, before and after: what differs is noise.
-    let before = measure(0, false)?;
+    let before = measure(0, plain)?;
     let mut rows = Vec::new();
     for &count in &options.reflectors.0 {
-        let sharp = (options.glossy && !timed).then(|| measure(count, false)).transpose()?;
-        let row = measure(count, options.glossy)?;
+        let sharp = (wanted != plain && !timed).then(|| measure(count, plain)).transpose()?;
+        let row = measure(count, wanted)?;
         let shares = row.shares(&before, sharp.as_ref());
         print_row(&row, shares);
         rows.push((row, shares));
     }
-    let after = measure(0, false)?;
+    let after = measure(0, plain)?;
     println!(
         "without reflectors: {:.1} ms before, {:.1} ms after",
         before.percentile(0.5),
@@ -184,7 +190,6 @@ fn with_reflectors(
     let kept: Vec<u32> = reflectors.list.iter().take(count).map(|r| r.material).collect();
     let mut scene: Scene = (*solution.scene).clone();
     scene.plan.mirror_depth = options.depth.or(scene.plan.mirror_depth);
-    scene.plan.glossy = Some(if options.glossy { GlossyMethod::Variant } else { GlossyMethod::Sharp });
     let mut world = (*solution.world).clone();
     for (i, material) in world.geometry.materials.iter_mut().enumerate() {
         if !kept.contains(&(i as u32)) {
@@ -205,18 +210,11 @@ fn walk_once(
     walk: &Walk,
     reflectors: usize,
     options: &Options,
-    glossy: bool,
 ) -> anyhow::Result<Row> {
     let (device, queue) = (&context.device, &context.queue);
-    let mut solution = solution.clone();
-    if !glossy {
-        let mut scene = (*solution.scene).clone();
-        scene.plan.glossy = Some(GlossyMethod::Sharp);
-        solution.scene = Arc::new(scene);
-    }
     let renderer = || -> anyhow::Result<GpuRenderer> {
         let mut renderer = GpuRenderer::new(device, wgpu::TextureFormat::Rgba8Unorm)?;
-        renderer.upload(device, queue, &solution)?;
+        renderer.upload(device, queue, solution)?;
         renderer.set_clock(StageClock::new(device, queue));
         Ok(renderer)
     };
@@ -298,7 +296,7 @@ fn write(
         "adapter": adapter,
         "size": options.size,
         "frames": options.frames,
-        "glossy": options.glossy,
+        "glossy": options.glossy.map_or("sharp", GlossyMethod::name),
         "rows": list,
         "without_reflectors_ms": plain.map(|r| r.percentile(0.5)),
     });

@@ -1,54 +1,69 @@
-//! `glossy`: ways of glossy reflection, in the picture and in object space, judged against the path tracer by roughness.
+//! `glossy`: ways of glossy reflection, in the picture and in object space, judged by roughness.
 
 use super::{
     Common,
+    glossy_judge::{Area, Judge, Reference, settings},
+    glossy_kernels,
     glossy_particles::{self, Wanted},
+    glossy_sheet::Sheet,
     parse_size,
     render::{auto_display, write_png},
     solve,
 };
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
-use glam::Vec3;
 use lumenscope_core::{
     glossy::{
         GlossyMethod,
         particles::splat::SplatSettings,
-        pass::{GlossyFrame, lobes},
+        pass::{GlossyFrame, Lobes, lobes},
     },
     math::{image::LinearImage, progress::Cancelled},
     measure::image,
     mirror::{pass::mirror_image, reflectors::Reflectors},
-    reference::picture::ReferencePicture,
-    scene::Scene,
+    scene::{Scene, geometry::Geometry, world::World},
     superposition::{
         PassSettings,
         composite::{self, DirectQuality},
+        gbuffer::GBuffer,
         layers::Layer,
         mean_of_frames,
-        pass::{Shading, render},
+        pass::Shading,
+        plan::Plan,
     },
     transport::LightTransportSolution,
 };
-use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Instant};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Instant,
+};
 
 /// Options of `glossy`.
 #[derive(Args)]
 pub struct Options {
     /// Scene file; its glossy materials are given each roughness in turn.
-    scene: PathBuf,
-    /// Folder for the table and the pictures.
+    pub scene: PathBuf,
+    /// Folder for the table and the pictures; `--kernels` prints without one.
+    #[arg(long, required_unless_present = "kernels")]
+    pub out: Option<PathBuf>,
+    /// Print what one kernel over a picture of this size costs by its radius, directly and by Fourier transforms, and
+    /// which is chosen; nothing else.
     #[arg(long)]
-    out: PathBuf,
+    kernels: bool,
     /// Values of roughness, from 0.05 to below 0.5.
     #[arg(long, value_delimiter = ',', default_values_t = [0.05, 0.1, 0.2, 0.4])]
-    roughness: Vec<f32>,
-    /// Paths a pixel of the reference.
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    spp: u32,
+    pub roughness: Vec<f32>,
+    /// Rays a pixel of the reference that has the methods' own light, at least two a frame.
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    pub spp: u32,
+    /// Paths a pixel of the path tracer; 0 leaves it out.
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub paths: u32,
     /// Frames averaged of each method.
-    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    frames: u32,
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub frames: u32,
     /// Particles of the object-space rows; each number goes on from the one before. A hit takes 40 bytes, one on
     /// what is glossy 100 more.
     #[arg(long, value_delimiter = ',', default_values_t = [1_000_000, 8_000_000])]
@@ -59,16 +74,13 @@ pub struct Options {
     splat_scale: f32,
     /// Picture size.
     #[arg(long, default_value = "480x270", value_parser = parse_size)]
-    size: [u32; 2],
+    pub size: [u32; 2],
 }
-
-/// Distances from the surface to what it mirrors, m: where each band ends, and its name.
-const BANDS: [(f32, &str); 3] = [(0.05, "contact"), (0.4, "near"), (f32::INFINITY, "far")];
 
 /// Renders, compares and prints the table.
 ///
 /// # Errors
-/// One line naming the file and the cause.
+/// One line naming the file and the cause; also where there is nothing glossy to compare.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if let Some(wrong) = options.roughness.iter().find(|r| !(0.05..0.5).contains(*r)) {
         bail!("--roughness {wrong} must lie from 0.05 to below 0.5");
@@ -76,52 +88,39 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if !options.particles.is_sorted() || !(0.1..=100.0).contains(&options.splat_scale) {
         bail!("--particles must ascend and --splat-scale lie from 0.1 to 100");
     }
-    solve::output_folder(&options.out)?;
+    if options.kernels {
+        return glossy_kernels::run(options, common);
+    }
+    let out = options.out.as_deref().context("--out is missing")?;
+    solve::output_folder(out)?;
     let loaded = solve::load(&options.scene, common)?;
-    let mut table = String::from(
-        "roughness,method,rel_mse,flip,rel_mse_contact,rel_mse_near,rel_mse_far,milliseconds,build_seconds\n",
-    );
-    println!(
-        "roughness  method             relMSE    FLIP      contact   near      far       ms a frame  s before"
-    );
+    let mut table = Table { out, text: String::from("roughness,method") };
+    for area in Area::ALL {
+        let _ = write!(table.text, ",rel_mse_{}", area.name());
+    }
+    table.text += ",flip,rel_mse_paths,flip_paths,milliseconds,build_seconds\n";
     for &roughness in &options.roughness {
         let scene = with_roughness(&loaded.scene, roughness);
-        if Reflectors::new(&lumenscope_core::scene::geometry::Geometry::new(&scene)).is_empty() {
-            bail!("{}: nothing flat is polished", options.scene.display());
+        if !Reflectors::new(&Geometry::new(&scene))
+            .list
+            .iter()
+            .any(|r| scene.materials[r.material as usize].alpha().is_some_and(|alpha| alpha > 0.0))
+        {
+            bail!("{}: nothing flat is glossy", options.scene.display());
         }
-        let plan = lumenscope_core::superposition::plan::Plan::new(
-            &scene,
-            &lumenscope_core::scene::world::World::new(&scene),
-            common.tolerance,
-            common.seed,
-        );
+        let plan = Plan::new(&scene, &World::new(&scene), common.tolerance, common.seed);
         let solution = solve::solve(&solve::Loaded { scene: Arc::new(scene), plan }, false)?;
-        let reference = reference(&solution, options, common)?;
-        let write = |name: &str, picture: &LinearImage| {
-            let path = options.out.join(format!("{name}_{roughness}.png"));
-            write_png(&path, picture, &auto_display(&reference))
-        };
-        write("reference", &reference)?;
-        let distance = distances(&solution, options.size, common.seed);
-        let mut judge = |name: &str, picture: &LinearImage, milliseconds: f64, build_seconds: f64| {
-            write(&name.replace(' ', "_"), picture)?;
-            let rel_mse = image::rel_mse(picture, &reference)?;
-            let flip = flip(picture, &reference)?;
-            let bands = bands(picture, &reference, &distance)?;
-            let row = bands.map(|b| format!("{b:.5}")).join("   ");
-            println!(
-                "{roughness:<9}  {name:<17}  {rel_mse:.5}   {flip:.5}   {row}   {milliseconds:<10.1}  {build_seconds:.2}"
-            );
-            let bands = bands.map(|b| b.to_string()).join(",");
-            let _ =
-                writeln!(table, "{roughness},{name},{rel_mse},{flip},{bands},{milliseconds},{build_seconds}");
-            anyhow::Ok(())
-        };
+        let judge = Judge::new(&solution, options, common.seed)?;
+        table.begin(roughness, &judge)?;
+        let mut sheet = Sheet::new(&judge, roughness);
         for method in GlossyMethod::ALL {
             let picture = picture(&solution, method, options, common.seed)?;
             let milliseconds = cost(&solution, method, options.size, common.seed);
-            judge(method.name(), &picture, milliseconds, 0.0)?;
+            table.row(roughness, method.name(), &picture, &judge, [milliseconds, 0.0])?;
+            sheet.add(method.name(), &picture, &judge);
         }
+        let (picture, milliseconds) = in_full(&solution, options, common.seed)?;
+        table.row(roughness, "invariant in full", &picture, &judge, [milliseconds, 0.0])?;
         let wanted = Wanted {
             counts: &options.particles,
             scale: options.splat_scale,
@@ -130,10 +129,79 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             seed: common.seed,
         };
         for row in glossy_particles::rows(&solution.world, &solution.scene.camera, &wanted)? {
-            judge(&row.name, &row.picture, row.milliseconds, row.build_seconds)?;
+            table.row(roughness, &row.name, &row.picture, &judge, [row.milliseconds, row.build_seconds])?;
+        }
+        sheet.write(&out.join(format!("sheet_{roughness}.png")))?;
+    }
+    solve::write(&out.join("glossy.csv"), &table.text)
+}
+
+struct Table<'a> {
+    out: &'a Path,
+    text: String,
+}
+
+impl Table<'_> {
+    /// Prints the head of one roughness and writes the references.
+    fn begin(&self, roughness: f32, judge: &Judge) -> anyhow::Result<()> {
+        let shares = judge.shares().map(|s| format!("{:>9.1}%", 100.0 * s)).join("");
+        println!(
+            "roughness {roughness}: relMSE against the lobe by rays, the reference's own variance taken off"
+        );
+        let names = Area::ALL.map(|a| format!("{:>10}", a.name())).join("");
+        println!(
+            "{:<18}{names}{:>8}{:>11}{:>8}{:>11}{:>9}",
+            "method", "FLIP", "by paths", "FLIP", "ms a frame", "s before"
+        );
+        println!("{:<18}{shares}", "share of pixels");
+        self.picture("rays", roughness, &judge.by_rays.picture, &judge.by_rays)?;
+        match &judge.by_paths {
+            Some(paths) => self.picture("reference", roughness, &paths.picture, &judge.by_rays),
+            None => Ok(()),
         }
     }
-    solve::write(&options.out.join("glossy.csv"), &table)
+
+    /// Prints a method's row and writes its picture.
+    fn row(
+        &mut self,
+        roughness: f32,
+        name: &str,
+        picture: &LinearImage,
+        judge: &Judge,
+        [milliseconds, build_seconds]: [f64; 2],
+    ) -> anyhow::Result<()> {
+        self.picture(&name.replace(' ', "_"), roughness, picture, &judge.by_rays)?;
+        let errors = judge.errors(picture, &judge.by_rays)?;
+        let flip = judge.flip(&flip_map(picture, &judge.by_rays.picture)?);
+        let (by_paths, flip_paths) = match &judge.by_paths {
+            Some(paths) => {
+                (judge.errors(picture, paths)?[0], judge.flip(&flip_map(picture, &paths.picture)?))
+            }
+            None => (f64::NAN, f64::NAN),
+        };
+        let shown = errors.map(|e| format!("{e:>10.5}")).join("");
+        println!(
+            "{name:<18}{shown}{flip:>8.4}{by_paths:>11.5}{flip_paths:>8.4}{milliseconds:>11.1}{build_seconds:>9.2}"
+        );
+        let errors = errors.map(|e| e.to_string()).join(",");
+        let _ = writeln!(
+            self.text,
+            "{roughness},{name},{errors},{flip},{by_paths},{flip_paths},{milliseconds},{build_seconds}"
+        );
+        Ok(())
+    }
+
+    /// Writes a picture, exposed for a reference.
+    fn picture(
+        &self,
+        name: &str,
+        roughness: f32,
+        picture: &LinearImage,
+        exposed_for: &Reference,
+    ) -> anyhow::Result<()> {
+        let path = self.out.join(format!("{name}_{roughness}.png"));
+        write_png(&path, picture, &auto_display(&exposed_for.picture))
+    }
 }
 
 /// The scene with every glossy material's roughness replaced.
@@ -143,20 +211,6 @@ fn with_roughness(scene: &Scene, roughness: f32) -> Scene {
         material.roughness = roughness;
     }
     scene
-}
-
-/// The glossy layer of the path tracer.
-fn reference(
-    solution: &LightTransportSolution,
-    options: &Options,
-    common: &Common,
-) -> anyhow::Result<LinearImage> {
-    let [width, height] = options.size;
-    let mut picture =
-        ReferencePicture::new(solution.world.clone(), solution.scene.camera, width, height, common.seed);
-    solve::watched(|progress| picture.add_samples(options.spp, progress))?;
-    let [.., glossy] = picture.layers();
-    Ok(glossy)
 }
 
 /// The glossy layer by a method.
@@ -170,74 +224,75 @@ fn picture(
     scene.plan.glossy = Some(method);
     let solution = LightTransportSolution { scene: Arc::new(scene), ..solution.clone() };
     let camera = &solution.scene.camera;
-    let settings = PassSettings { direct: DirectQuality::PerPixel(4), seed, ..PassSettings::default() };
     let (size, frames) = (options.size, options.frames);
+    let settings = settings(0, frames, seed);
     let layers = solve::watched(|p| mean_of_frames(&solution, camera, size, frames, &settings, p))?;
     Ok(layers.get(Layer::Glossy).clone())
 }
 
-/// Distance from the surface to what each pixel mirrors, m; NaN where it is not glossy.
-fn distances(solution: &LightTransportSolution, [width, height]: [u32; 2], seed: u64) -> Vec<f32> {
-    let settings = PassSettings { direct: DirectQuality::Elements, seed, ..PassSettings::default() };
-    let camera = &solution.scene.camera;
-    let (buffer, layers) = render(solution, camera, width, height, &settings);
-    let shading = Shading::new(solution, &settings);
-    let reflectors = Reflectors::new(&solution.world.geometry);
-    let image = mirror_image(&shading, &reflectors, &buffer, camera, &settings);
-    let glossy = |i: usize| layers.get(Layer::Glossy).pixels[i] != Vec3::ZERO;
-    match image {
-        Some(image) => {
-            (0..image.distance.len()).map(|i| if glossy(i) { image.distance[i] } else { f32::NAN }).collect()
-        }
-        None => vec![f32::NAN; (width * height) as usize],
-    }
-}
-
-/// Relative error by distance of what is mirrored; 0 for a band without pixels.
-fn bands(picture: &LinearImage, reference: &LinearImage, distance: &[f32]) -> anyhow::Result<[f64; 3]> {
-    let mut from = 0.0;
-    let mut out = [0.0; 3];
-    for (found, (to, _)) in out.iter_mut().zip(BANDS) {
-        let inside: Vec<usize> =
-            (0..distance.len()).filter(|&i| (from..=to).contains(&distance[i])).collect();
-        let part = |image: &LinearImage| LinearImage {
-            width: inside.len() as u32,
-            height: 1,
-            pixels: inside.iter().map(|&i| image.pixels[i]).collect(),
-        };
-        if !inside.is_empty() {
-            *found = image::rel_mse(&part(picture), &part(reference))?;
-        }
-        from = to.next_up();
-    }
-    Ok(out)
-}
-
 /// Mean FLIP of two pictures as the display shows them, exposed for the second.
 pub fn flip(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<f64> {
+    let map = flip_map(picture, reference)?;
+    Ok(map.iter().copied().map(f64::from).sum::<f64>() / map.len().max(1) as f64)
+}
+
+/// FLIP of each pixel of two pictures as the display shows them, exposed for the second.
+fn flip_map(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<Vec<f32>> {
     let display = auto_display(reference);
     let [a, b] = [picture, reference].map(|p| composite::display(p, &display));
-    Ok(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.mean)
+    Ok(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.map)
+}
+
+/// Runs over a frame's glossy pixels, if it has any.
+fn with_frame<T>(
+    solution: &LightTransportSolution,
+    size: [u32; 2],
+    settings: &PassSettings,
+    work: impl FnOnce(&GlossyFrame) -> T,
+) -> Option<T> {
+    let (world, camera) = (&solution.world, &solution.scene.camera);
+    let shading = Shading::new(solution, settings);
+    let reflectors = Reflectors::new(&world.geometry);
+    let lobes = lobes(world, &reflectors, &Lobes::new());
+    let buffer = GBuffer::new(world, camera, size.into(), settings.subpixel());
+    let image = mirror_image(&shading, &reflectors, &buffer, camera, settings)?;
+    Some(work(&GlossyFrame::new(world, &reflectors, &lobes, &image, &buffer, camera, settings)))
 }
 
 /// Milliseconds that the convolution of one frame takes.
-fn cost(
-    solution: &LightTransportSolution,
-    method: GlossyMethod,
-    [width, height]: [u32; 2],
-    seed: u64,
-) -> f64 {
+fn cost(solution: &LightTransportSolution, method: GlossyMethod, size: [u32; 2], seed: u64) -> f64 {
     let settings = PassSettings { direct: DirectQuality::Elements, seed, ..PassSettings::default() };
-    let camera = &solution.scene.camera;
-    let (buffer, _) = render(solution, camera, width, height, &settings);
-    let shading = Shading::new(solution, &settings);
-    let world = &solution.world;
-    let reflectors = Reflectors::new(&world.geometry);
-    let lobes = lobes(world, &reflectors);
-    let Some(image) = mirror_image(&shading, &reflectors, &buffer, camera, &settings) else { return 0.0 };
-    let frame = GlossyFrame::new(world, &reflectors, &lobes, &image, &buffer, camera, &settings);
-    let start = Instant::now();
-    let scattered = frame.scattered(method);
-    let seconds = start.elapsed().as_secs_f64();
-    if scattered.is_empty() { 0.0 } else { 1e3 * seconds }
+    let seconds = with_frame(solution, size, &settings, |frame| {
+        let start = Instant::now();
+        std::hint::black_box(frame.scattered(method));
+        start.elapsed().as_secs_f64()
+    });
+    1e3 * seconds.unwrap_or(0.0)
+}
+
+/// One kernel a reflector over the picture's own pixels: the mean of the frames, and milliseconds of one convolution.
+fn in_full(
+    solution: &LightTransportSolution,
+    options: &Options,
+    seed: u64,
+) -> Result<(LinearImage, f64), Cancelled> {
+    let [width, height] = options.size;
+    let mut sum = LinearImage::new(width, height);
+    let mut seconds = 0.0;
+    solve::watched(|progress| {
+        progress.begin("convolution in full");
+        for number in 0..options.frames {
+            progress.report(number as f32 / options.frames as f32)?;
+            with_frame(solution, options.size, &settings(number, options.frames, seed), |frame| {
+                let start = Instant::now();
+                let scattered = frame.invariant_in_full();
+                seconds += start.elapsed().as_secs_f64();
+                for (pixel, out) in sum.pixels.iter_mut().enumerate() {
+                    *out += frame.reflected(pixel, scattered[pixel]) / options.frames as f32;
+                }
+            });
+        }
+        progress.report(1.0)
+    })?;
+    Ok((sum, 1e3 * seconds / f64::from(options.frames)))
 }

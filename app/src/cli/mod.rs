@@ -8,10 +8,14 @@ mod cost;
 mod fly;
 mod fly_path;
 mod glossy;
+mod glossy_judge;
+mod glossy_kernels;
 mod glossy_particles;
+mod glossy_sheet;
 mod headless;
 mod images;
 mod irradiance;
+mod kernel;
 mod lightmap;
 mod page;
 pub mod panorama;
@@ -37,6 +41,7 @@ pub mod wall;
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
+use lumenscope_core::glossy::GlossyMethod;
 use std::{ffi::OsString, path::PathBuf};
 
 /// See where light flows in a scene, where it came from, and how well a method has captured it.
@@ -140,6 +145,9 @@ enum Job {
     /// Ways of convolving what glossy surfaces mirror, judged against the path tracer by roughness.
     #[command(after_help = "Example: lumenscope glossy scenes/glossy/teapot.ron --out out")]
     Glossy(glossy::Options),
+    /// The kernel of one glossy point: footprint, image, lobe, spectrum and the sampling it needs.
+    #[command(after_help = "Example: lumenscope kernel scenes/glossy/teapot.ron --out out")]
+    Kernel(kernel::Options),
     /// Mirrors shown from images-with-depth against those shown from the geometry.
     #[command(after_help = "Example: lumenscope images scenes/house/house.ron --out out")]
     Images(images::Options),
@@ -187,6 +195,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Bake(options)) => bake::run(&options, common),
         Some(Job::Textures(options)) => textures::run(&options),
         Some(Job::Glossy(options)) => glossy::run(&options, common),
+        Some(Job::Kernel(options)) => kernel::run(&options, common),
         Some(Job::Images(options)) => images::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
@@ -200,6 +209,13 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
         _ => Err(format!("`{text}` is not WIDTHxHEIGHT with both from 1 to 16384")),
     }
+}
+
+/// A method of glossy reflection by its name.
+fn parse_glossy(text: &str) -> Result<GlossyMethod, String> {
+    let names = || GlossyMethod::ALL.map(GlossyMethod::name).join(", ");
+    let found = GlossyMethod::ALL.into_iter().find(|m| m.name() == text);
+    found.ok_or_else(|| format!("`{text}` is not one of {}", names()))
 }
 
 /// `X,Y,Z` in metres.

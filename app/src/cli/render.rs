@@ -1,21 +1,24 @@
 //! `render`: picture, layers, report.
 
-use super::{Common, parse_size, report, solve, volume_options::VolumeOptions};
+use super::{Common, parse_glossy, parse_size, report, solve, volume_options::VolumeOptions};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumenscope_core::{
+    glossy::GlossyMethod,
     gpu,
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
     math::image::LinearImage,
     radiosity::lookup::Lookup,
     reference::expression::Expression,
+    scene::world::World,
     superposition::{
         composite::{self, DirectQuality, Display},
         layers::{COUNT, Layer, Layers},
         mean_of_frames,
         pass::PassSettings,
+        plan::Plan,
     },
     transport::LightTransportSolution,
 };
@@ -46,6 +49,10 @@ pub struct Options {
     /// How light stored on surfaces is looked up between its nodes; as the plan has it by default.
     #[arg(long, value_enum)]
     lookup: Option<LookupName>,
+    /// How glossy flat surfaces blur what they mirror: variant (a kernel a pixel), invariant (one a reflector) or sharp
+    /// (not at all); as the plan has it by default.
+    #[arg(long, value_parser = parse_glossy)]
+    glossy: Option<GlossyMethod>,
     /// Only the light of these paths, from the light L to the eye E by diffuse D and specular S reflections; where
     /// nothing is specular any, else what is a sum of layers: LDE, "LD{2}E", "L(D|S)*SE".
     #[arg(long)]
@@ -87,6 +94,11 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             LookupName::Bilinear => Lookup::Bilinear,
             LookupName::Mitchell => Lookup::Mitchell,
         });
+    }
+    if options.glossy.is_some() {
+        let scene = Arc::make_mut(&mut loaded.scene);
+        scene.plan.glossy = options.glossy;
+        loaded.plan = Plan::new(scene, &World::new(scene), common.tolerance, common.seed);
     }
     if let Some(settings) = &mut loaded.plan.solve.volume {
         options.volume.apply(settings);

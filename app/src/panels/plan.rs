@@ -3,6 +3,7 @@
 use crate::{command::Command, session::Session};
 use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 use lumenscope_core::{
+    glossy::GlossyMethod,
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::MirrorSettings,
     radiosity::{RadiositySettings, lookup::Lookup, surface_map::ElementLayout},
@@ -168,6 +169,9 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
             MirrorSettings::default().depth,
             0..=16,
         ),
+        Component::Glossy => {
+            choice(ui, "Convolution", GLOSSY, &mut over.glossy, GlossyMethod::ALL.map(|m| (m, m.name())));
+        }
         Component::IrradianceVolume => {
             let usual = VolumeSettings::default();
             built(ui, &mut over.volume);
@@ -204,6 +208,8 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
 
 const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between four, or Mitchell and \
                       Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
+const GLOSSY: &str = "How glossy flat surfaces blur what they mirror: by a kernel of its own for every pixel, by \
+                      one a reflector, or not at all. Nothing is solved again";
 const BASIS: &str = "What a query reads: 2n² bins, bilinear or the nearest, or nine spherical-harmonic \
                      coefficients E_lm = A_l L_lm. Nothing is traced again";
 const REPAIR: &str = "Mask: neighbours share their weight. Dilate: they take their neighbours' light. \

@@ -11,7 +11,7 @@
 //! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
 //!
 //! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, each
-//! of the eight largest flat glossy reflectors has one, and none where that lies within something else, which mirrors
+//! of the sixteen largest flat glossy reflectors has one (how many are left out, [`left_out`] says), and none where that lies within something else, which mirrors
 //! then show as if dull; the reflector does not see itself and, moved, shows the map of
 //! where it stood; near things shift as if on a sphere of their own distance; a lobe
 //! is as wide at every angle as it is at normal incidence, and a lobe's light is not dimmed by its own shadowing.
@@ -33,10 +33,10 @@ use rayon::prelude::*;
 use std::{collections::BTreeMap, f32::consts::FRAC_1_PI, sync::Arc};
 
 /// Reflectors with a map, at most: the largest flat ones, for the others the largest curved ones.
-pub const MOST_MAPS: usize = 16;
+pub const MOST_MAPS: usize = 32;
 
 /// Flat reflectors with a map, at most: they are seen in mirrors alone, but have nothing else to be seen by there.
-const MOST_FLAT_MAPS: usize = 8;
+const MOST_FLAT_MAPS: usize = 16;
 
 /// Rows of the map of an ideal mirror, of a curved reflector with a wider lobe, and of a flat one; columns are
 /// twice as many.
@@ -130,7 +130,7 @@ impl Environments {
         if !geometry.is_specular() {
             return Self::default();
         }
-        let mapped = mapped(geometry);
+        let (mapped, _) = mapped(geometry);
         let mut list = Vec::new();
         let mut of_triangle = BTreeMap::new();
         for reflector in mapped {
@@ -155,9 +155,15 @@ impl Environments {
     }
 }
 
+/// Reflectors that should have a map and have none, since there are more than [`MOST_MAPS`] or more flat ones than
+/// half as many: they look as if they were dull, the flat ones in mirrors alone.
+pub fn left_out(geometry: &Geometry) -> usize {
+    if geometry.is_specular() { mapped(geometry).1 } else { 0 }
+}
+
 /// The reflectors that maps are made for: what is curved, and what is flat and so glossy that it is blurred in
-/// mirrors, where there is another reflector to show it.
-fn mapped(geometry: &Geometry) -> Vec<Mapped> {
+/// mirrors, where there is another reflector to show it. And how many of them there is no room for.
+fn mapped(geometry: &Geometry) -> (Vec<Mapped>, usize) {
     let reflectors = Reflectors::new(geometry);
     let alpha_of = |t: u32| geometry.material_of(t).alpha().unwrap_or(0.0);
     let mut curved: BTreeMap<MapOwner, Mapped> = BTreeMap::new();
@@ -178,17 +184,20 @@ fn mapped(geometry: &Geometry) -> Vec<Mapped> {
         .list
         .iter()
         .filter(|r| reflectors.list.len() > 1 && alpha_of(r.triangles[0]) >= BLURRED_ALPHA);
-    let flat = flat.take(MOST_FLAT_MAPS).map(|r| Mapped {
+    let flat = flat.map(|r| Mapped {
         of: MapOwner::Flat { triangle: r.triangles[0] },
         triangles: r.triangles.clone(),
         area: r.area,
         alpha: alpha_of(r.triangles[0]),
         side: (!r.double_sided).then_some(r.normal),
     });
-    let flat: Vec<Mapped> = flat.collect();
+    let mut flat: Vec<Mapped> = flat.collect();
+    let wanted = list.len() + flat.len();
+    flat.truncate(MOST_FLAT_MAPS);
     list.truncate(MOST_MAPS - flat.len());
     list.extend(flat);
-    list
+    let left_out = wanted - list.len();
+    (list, left_out)
 }
 
 impl Environment {

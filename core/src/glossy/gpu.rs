@@ -50,8 +50,12 @@ pub struct LevelInfo {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
+    /// Its first column and row in the level of the whole picture.
+    pub column: u32,
+    /// See `column`.
+    pub row: u32,
     /// Nothing.
-    pub padding: u32,
+    pub padding: [u32; 3],
 }
 
 /// `LobeTables` of `shaders/glossy/lobes.wgsl`.
@@ -124,6 +128,8 @@ pub(crate) struct GlossyPasses {
     measure: wgpu::ComputePipeline,
     convolve: wgpu::ComputePipeline,
     scatter_invariant: wgpu::ComputePipeline,
+    scatter_nodes: wgpu::ComputePipeline,
+    scatter_half: wgpu::ComputePipeline,
     measured: wgpu::Buffer,
     kernels: wgpu::Buffer,
     sized: Sized,
@@ -131,7 +137,8 @@ pub(crate) struct GlossyPasses {
 
 /// What depends on the size of the picture.
 struct Sized {
-    levels: Vec<LevelInfo>,
+    size: [u32; 2],
+    info: wgpu::Buffer,
     /// One a level: they differ in the level that is written.
     groups: Vec<wgpu::BindGroup>,
 }
@@ -176,6 +183,8 @@ impl GlossyPasses {
             measure: compute("measure"),
             convolve: compute("convolve"),
             scatter_invariant: compute("scatter_invariant"),
+            scatter_nodes: compute("scatter_nodes"),
+            scatter_half: compute("scatter_half"),
             lobes,
             layout,
             measured,
@@ -196,15 +205,21 @@ impl GlossyPasses {
         self.sized = Sized::new(device, queue, &self.layout, tables, targets);
     }
 
-    /// Records the passes of one frame whose picture shows some reflectors.
+    /// Records the passes of one frame whose picture shows some glossy reflectors within a rectangle: its first column
+    /// and row, width and height.
     pub(crate) fn record(
         &self,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneTables,
         method: GlossyMethod,
-        reflectors: impl Iterator<Item = u32>,
+        reflectors: &[u32],
+        rectangle: [u32; 4],
     ) {
+        let levels = levels(self.sized.size, rectangle);
+        let mut table = [LevelInfo::default(); MOST_LEVELS];
+        table[..levels.len()].copy_from_slice(&levels);
+        queue.write_buffer(&self.sized.info, 0, bytemuck::cast_slice(&table));
         queue.write_buffer(&self.lobes, 0, bytemuck::bytes_of(&LobeTables::new(scene.lobes())));
         let mut run = |pipeline: &wgpu::ComputePipeline, level: usize, [x, y]: [u32; 2]| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -217,10 +232,14 @@ impl GlossyPasses {
             pass.dispatch_workgroups(x, y, 1);
         };
         let blocks = |size: &LevelInfo| [size.width.div_ceil(8), size.height.div_ceil(8)];
-        let levels = &self.sized.levels;
         run(&self.unfold, 0, blocks(&levels[0]));
         for (level, size) in levels.iter().enumerate().skip(1) {
             run(&self.halve, level, blocks(size));
+        }
+        if method == GlossyMethod::VariantHalf && levels.len() > 1 {
+            run(&self.scatter_nodes, 0, blocks(&levels[1]));
+            run(&self.scatter_half, 0, blocks(&levels[0]));
+            return;
         }
         if method != GlossyMethod::Invariant {
             run(&self.scatter, 0, blocks(&levels[0]));
@@ -228,7 +247,7 @@ impl GlossyPasses {
         }
         let mut measured = MeasuredReflectors::zeroed();
         for (entry, reflector) in measured.list.iter_mut().zip(reflectors) {
-            *entry = reflector;
+            *entry = *reflector;
             measured.count += 1;
         }
         queue.write_buffer(&self.measured, 0, bytemuck::bytes_of(&measured));
@@ -240,6 +259,24 @@ impl GlossyPasses {
     }
 }
 
+/// The levels of a picture, as far as they have to do with the pixels of a rectangle: texels lie where those of the
+/// whole picture lie.
+fn levels(size: [u32; 2], [x, y, width, height]: [u32; 4]) -> Vec<LevelInfo> {
+    let mut levels: Vec<LevelInfo> = Vec::new();
+    let mut first = 0;
+    for level in 0..MOST_LEVELS {
+        let (column, row) = (x >> level, y >> level);
+        let [right, below] = [x + width, y + height].map(|end| (end.max(1) - 1) >> level);
+        let (width, height) = (right + 1 - column.min(right), below + 1 - row.min(below));
+        levels.push(LevelInfo { first, width, height, column, row, padding: [0; 3] });
+        first += width * height;
+        if level_size(size, level).iter().all(|n| *n <= 1) {
+            break;
+        }
+    }
+    levels
+}
+
 impl Sized {
     fn new(
         device: &wgpu::Device,
@@ -248,23 +285,12 @@ impl Sized {
         [frame, lobes, measured, kernels]: [&wgpu::Buffer; 4],
         targets: &Targets,
     ) -> Self {
-        let mut levels: Vec<LevelInfo> = Vec::new();
-        let mut first = 0;
-        for level in 0..MOST_LEVELS {
-            let [width, height] = level_size(targets.size, level);
-            levels.push(LevelInfo { first, width, height, padding: 0 });
-            first += width * height;
-            if width.max(height) <= 1 {
-                break;
-            }
-        }
-        let of_texels = |label, size: usize| create(device, label, u64::from(first) * size as u64);
+        let levels = levels(targets.size, [0, 0, targets.size[0], targets.size[1]]);
+        let count: u32 = levels.iter().map(|l| l.width * l.height).sum();
+        let of_texels = |label, size: usize| create(device, label, u64::from(count) * size as u64);
         let texels = of_texels("mirror image pyramid", size_of::<TexelInfo>());
         let convolved = of_texels("convolved pyramid", size_of::<Vec4>());
-        let mut table = [LevelInfo::default(); MOST_LEVELS];
-        table[..levels.len()].copy_from_slice(&levels);
         let info = uniform::<[LevelInfo; MOST_LEVELS]>(device, "pyramid levels");
-        queue.write_buffer(&info, 0, bytemuck::cast_slice(&table));
         let groups = (0..levels.len())
             .map(|level| {
                 let step = uniform::<[u32; 4]>(device, "pyramid step");
@@ -286,6 +312,6 @@ impl Sized {
                 bind(device, "glossy", layout, &resources)
             })
             .collect();
-        Self { levels, groups }
+        Self { size: targets.size, info, groups }
     }
 }

@@ -71,12 +71,24 @@ impl Kernel {
     /// The kernel of a point if everything were at 1/`nearness` along the unfolded rays; `support` is tan β of its
     /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have [`Self::at_texel`] and [`Self::at_pixel`].
     pub fn new(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32, levels: usize) -> Self {
-        let most = (MOST_RADIUS * lens.size.max_element()).max(1.0);
-        let wanted =
-            point.radius_pixels(nearness, support, lens.pixel_angle()).ceil().clamp(1.0, most) as u32;
+        Self::for_radius(lens, point, nearness, Self::wanted_radius(lens, point, nearness, support), levels)
+    }
+
+    /// The same for a radius in pixels, on the level where its table is small.
+    pub fn for_radius(lens: &Lens, point: &GlossyPoint, nearness: f32, wanted: u32, levels: usize) -> Self {
         let fits = |level: &usize| wanted.div_ceil(1 << level) <= WIDEST;
         let level = (0..levels).find(fits).unwrap_or(levels.saturating_sub(1));
-        let radius = wanted.div_ceil(1 << level).min(WIDEST);
+        Self::on_level(lens, point, nearness, level, wanted.div_ceil(1 << level).min(WIDEST))
+    }
+
+    /// Radius that the kernel of a point has, pixels.
+    pub fn wanted_radius(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32) -> u32 {
+        let most = (MOST_RADIUS * lens.size.max_element()).max(1.0);
+        point.radius_pixels(nearness, support, lens.pixel_angle()).ceil().clamp(1.0, most) as u32
+    }
+
+    /// The same at a level of one's choice, 0 for the picture's pixels, with a radius in its texels.
+    pub fn on_level(lens: &Lens, point: &GlossyPoint, nearness: f32, level: usize, radius: u32) -> Self {
         let (edge, scale) = (2 * radius + 1, (1u32 << level) as f32);
         let middle = lens.place(point.from_eye);
         let weights = (0..edge * edge).map(|i| {

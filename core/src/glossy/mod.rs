@@ -19,6 +19,8 @@
 //! assumption of §7.4.1) is taken to look as what it shows. Surfaces seen at grazing angles have few pixels
 //! to draw on. Lobes narrower than roughness 0.2 show their mirror image unblurred where a mirror shows them.
 
+pub mod by_rays;
+pub mod convolution;
 pub mod environment;
 pub mod gpu;
 pub mod inspect;
@@ -32,6 +34,3 @@ pub mod pyramid;
 pub mod variant;
 
 pub use crate::scene::glossy::GlossyMethod;
-
-#[cfg(test)]
-mod tests;

@@ -83,13 +83,13 @@ pub struct Pyramid {
 }
 
 impl Pyramid {
-    /// Halves a mirror image until one texel is left; `eye_distance` is that from the eye to the reflector at
-    /// each pixel, m.
-    pub fn new(image: &MirrorImage, eye_distance: &[f32]) -> Self {
+    /// Halves what some reflectors of a mirror image show until one texel is left; `eye_distance` is that from the eye
+    /// to the reflector at each pixel, m.
+    pub fn new(image: &MirrorImage, eye_distance: &[f32], holds: impl Fn(u32) -> bool) -> Self {
         use rayon::prelude::*;
         let texels = (0..image.reflector.len())
             .map(|i| match image.reflector[i] {
-                NO_REFLECTOR => Texel::NONE,
+                reflector if reflector == NO_REFLECTOR || !holds(reflector) => Texel::NONE,
                 reflector => Texel {
                     radiance: image.radiance[i],
                     nearness: 1.0 / (eye_distance[i] + image.distance[i]),

@@ -54,7 +54,7 @@ pub fn gather(
     Gathered { radiance, taps, radius }
 }
 
-/// Radius of the kernel at a pixel, in pixels.
+/// Radius of the kernel at a pixel, in pixels: that of what it shows, or of what is around it if that is farther.
 pub fn reach(
     pyramid: &Pyramid,
     lens: &Lens,
@@ -64,9 +64,23 @@ pub fn reach(
     support: f32,
 ) -> f32 {
     let own = pyramid.levels[0].at(x, y).nearness;
-    let level = REACH_LEVEL.min(pyramid.levels.len() - 1);
-    let around = pyramid.levels[level].at(x >> level, y >> level);
-    let nearness = if around.reflector == reflector { own.min(around.nearness) } else { own };
+    let number = REACH_LEVEL.min(pyramid.levels.len() - 1);
+    let level = &pyramid.levels[number];
+    // Between the texels, so that the radius does not change in blocks.
+    let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << number) as f32 - 0.5;
+    let (low, f) = (at.floor(), at - at.floor());
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let texel = level.at(low.x as i32 + dx, low.y as i32 + dy);
+        if texel.reflector == reflector {
+            let weight = (if dx == 1 { f.x } else { 1.0 - f.x })
+                * (if dy == 1 { f.y } else { 1.0 - f.y })
+                * texel.coverage;
+            sum += texel.nearness * weight;
+            weights += weight;
+        }
+    }
+    let nearness = if weights > 0.0 { own.min(sum / weights) } else { own };
     point.radius_pixels(nearness, support, lens.pixel_angle())
 }
 

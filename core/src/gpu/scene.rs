@@ -270,9 +270,7 @@ impl SceneTables {
             self.raster_group = group(device, &self.raster_layout, &self.storage[..3]);
             self.surface_group = group(device, &self.surface_layout, &self.storage[..SURFACE_TABLES]);
         }
-        if reflectors != self.reflectors || known.is_none() {
-            self.lobes = lobes(world, &reflectors);
-        }
+        self.lobes = lobes(world, &reflectors, &self.lobes);
         self.reflectors = reflectors;
         // Held so that what its pointers name cannot be freed and reused.
         self.last = Some(solution.clone());

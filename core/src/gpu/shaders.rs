@@ -84,6 +84,7 @@ pub const GLOSSY: Program = Program {
         wgsl!("glossy/pyramid.wgsl"),
         wgsl!("glossy/convolve.wgsl"),
         wgsl!("glossy/invariant.wgsl"),
+        wgsl!("glossy/half.wgsl"),
     ],
 };
 

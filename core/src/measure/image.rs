@@ -31,6 +31,37 @@ pub fn rel_mse(image: &LinearImage, reference: &LinearImage) -> Result<f64, Meas
     mean_over_channels(image, reference, |x, r| (x - r) * (x - r) / (r * r + epsilon))
 }
 
+/// [`rel_mse`] of the pixels that count, less what the reference's own noise makes of it:
+/// mean of ((x − r)² − Var r) / (r² + ε), with `variance` that of each pixel of the reference, (cd/m²)².
+///
+/// Without bias where the noise of the two is independent, so that a few pixels may come out below zero; 0 where no
+/// pixel counts.
+///
+/// # Errors
+/// As [`mse`], the sizes of the variance included.
+pub fn rel_mse_without_noise(
+    image: &LinearImage,
+    reference: &LinearImage,
+    variance: &LinearImage,
+    counts: impl Fn(usize) -> bool,
+) -> Result<f64, MeasureError> {
+    check(image, reference)?;
+    check(variance, reference)?;
+    let counted: Vec<usize> = (0..reference.pixels.len()).filter(|&i| counts(i)).collect();
+    let mean_of = |value: &dyn Fn(usize, usize) -> f64| {
+        let sum: f64 =
+            counted.iter().flat_map(|&i| (0..3).map(move |c| (i, c))).map(|(i, c)| value(i, c)).sum();
+        sum / (3 * counted.len()).max(1) as f64
+    };
+    let of = |image: &LinearImage, i: usize, c: usize| f64::from(image.pixels[i][c]);
+    let mean = mean_of(&|i, c| of(reference, i, c));
+    let epsilon = (DARK_SHARE * mean).powi(2).max(f64::MIN_POSITIVE);
+    Ok(mean_of(&|i, c| {
+        let (x, r) = (of(image, i, c), of(reference, i, c));
+        ((x - r).powi(2) - of(variance, i, c)) / (r * r + epsilon)
+    }))
+}
+
 /// Symmetric mean absolute percentage error as a fraction, 2 |x − r| / (|x| + |r|), in [0, 2].
 ///
 /// # Errors

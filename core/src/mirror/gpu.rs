@@ -242,9 +242,18 @@ impl MirrorPasses {
         if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
             let glossy =
                 self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
-            let reflectors = views.iter().filter(|v| v.depth == 1).map(|v| v.reflector);
-            glossy.record(queue, encoder, scene, method, reflectors);
+            let alpha =
+                |r: u32| geometry.materials[scene.reflectors().list[r as usize].material as usize].alpha();
+            let is_glossy = |v: &&MirroredView| v.depth == 1 && alpha(v.reflector).is_some_and(|a| a > 0.0);
+            let seen: Vec<&MirroredView> = views.iter().filter(is_glossy).collect();
+            let reflectors: Vec<u32> = seen.iter().map(|v| v.reflector).collect();
+            if let Some(rectangle) = seen.iter().map(|v| v.rectangle).reduce(Rectangle::around) {
+                let rectangle = pixels(rectangle, targets.size);
+                glossy.record(queue, encoder, scene, method, &reflectors, rectangle);
+            }
             mark(clock, encoder, Stage::Convolution);
+        } else if scene.lobes().is_empty() || method == GlossyMethod::Sharp {
+            self.glossy = None;
         }
         self.work_off(encoder, &self.reflect, groups, List::Depth(1));
         let reflect_wide = &self.reflect_wide[usize::from(scene.is_general())];

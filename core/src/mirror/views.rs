@@ -74,6 +74,11 @@ impl Rectangle {
         (cut.low.x < cut.high.x && cut.low.y < cut.high.y).then_some(cut)
     }
 
+    /// The smallest around both.
+    pub fn around(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
     fn area(self) -> f32 {
         let size = self.high - self.low;
         size.x * size.y

@@ -156,12 +156,6 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// The Phong lobe about as wide as a GGX one: n = 2/α² − 2 gives Beckmann's curvature at the peak, for
-    /// the half vector; about the mirrored direction angles are twice as large, so a quarter of it.
-    pub fn phong_like(alpha: f32) -> Self {
-        Self::Phong { exponent: 0.25 * (2.0 / (alpha * alpha) - 2.0).max(0.0) }
-    }
-
     /// Value f, 1/sr; zero below the surface.
     pub fn value(self, normal: Vec3, wi: Vec3, wo: Vec3) -> f32 {
         let (ci, co) = (normal.dot(wi), normal.dot(wo));

@@ -9,6 +9,8 @@ pub enum GlossyMethod {
     /// A kernel of its own for every pixel (Bastos 1999, §7.4.2.2).
     #[default]
     Variant,
+    /// The same at every second pixel of every second row, and between them; in full where the kernel is small.
+    VariantHalf,
     /// One kernel for each reflector (§7.4.2.1).
     Invariant,
     /// No convolution: the mirror image.
@@ -17,12 +19,23 @@ pub enum GlossyMethod {
 
 impl GlossyMethod {
     /// Every method.
-    pub const ALL: [Self; 3] = [Self::Variant, Self::Invariant, Self::Sharp];
+    pub const ALL: [Self; 4] = [Self::Variant, Self::VariantHalf, Self::Invariant, Self::Sharp];
+
+    /// What it does, for the plan.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Variant => "a kernel of its own for every pixel",
+            Self::VariantHalf => "a kernel of its own for every second pixel of every second row",
+            Self::Invariant => "one kernel a reflector",
+            Self::Sharp => "no convolution",
+        }
+    }
 
     /// Name on the command line and on screen.
     pub fn name(self) -> &'static str {
         match self {
             Self::Variant => "variant",
+            Self::VariantHalf => "variant_half",
             Self::Invariant => "invariant",
             Self::Sharp => "sharp",
         }

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     glossy::{
         GlossyMethod,
-        pass::{GlossyFrame, lobes},
+        pass::{GlossyFrame, Lobes, lobes},
     },
     math::{
         part::Part,
@@ -108,7 +108,7 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
     if shading.specular {
         let reflectors = Reflectors::new(&solution.world.geometry);
         if let Some(image) = mirror_image(shading, &reflectors, &buffer, camera, settings) {
-            let lobes = lobes(&solution.world, &reflectors);
+            let lobes = lobes(&solution.world, &reflectors, &Lobes::new());
             let frame =
                 GlossyFrame::new(&solution.world, &reflectors, &lobes, &image, &buffer, camera, settings);
             reflect(&frame, shading, camera, &mut shaded);

@@ -11,6 +11,7 @@ mod component;
 pub use component::{Component, ExpectedError, PlanLine};
 
 use crate::{
+    glossy::{GlossyMethod, environment},
     irradiance_volume::VolumeSettings,
     mirror::{MOST_VIEWS, MirrorSettings, reflectors::Reflectors},
     radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
@@ -100,6 +101,7 @@ impl Plan {
             needs.radiosity(&radiosity),
             needs.volume(volume.as_ref()),
             needs.mirror(),
+            needs.glossy(),
         ];
         Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
     }
@@ -211,6 +213,40 @@ impl Needs<'_> {
             expected_error,
             error_basis: error_basis.into(),
             ..self.line(Component::Mirror, used, words, reason)
+        }
+    }
+
+    fn glossy(&self) -> PlanLine {
+        let reflectors = Reflectors::new(&self.world.geometry);
+        let is_glossy = |material: u32| {
+            let alpha = self.world.geometry.materials[material as usize].alpha();
+            alpha.is_some_and(|a| a > 0.0)
+        };
+        let flat = reflectors.list.iter().filter(|r| is_glossy(r.material)).count();
+        let method = self.over.glossy.unwrap_or_default();
+        let used = flat > 0 && method != GlossyMethod::Sharp && MirrorSettings::of(self.over).depth > 0;
+        let words = if used { method.words().into() } else { String::new() };
+        let mut reason = match flat {
+            0 => "nothing flat is glossy: no convolution".into(),
+            n => format!("{} of rough polished material", counted(n, "flat reflector")),
+        };
+        let left_out = environment::left_out(&self.world.geometry);
+        if left_out > 0 {
+            reason += &format!(
+                "; {left_out} more than have maps of the light around them, shown as if dull in mirrors"
+            );
+        }
+        let (expected_error, error_basis) = match used {
+            true => (
+                ExpectedError::Unknown,
+                "what the mirror image does not show is missing: least far from contact and from grazing angles",
+            ),
+            false => (ExpectedError::Exact, "nothing is sampled"),
+        };
+        PlanLine {
+            expected_error,
+            error_basis: error_basis.into(),
+            ..self.line(Component::Glossy, used, words, reason)
         }
     }
 

@@ -16,12 +16,14 @@ pub enum Component {
     IrradianceVolume,
     /// What flat polished surfaces show.
     Mirror,
+    /// What glossy surfaces make of that.
+    Glossy,
 }
 
 impl Component {
     /// Every component, in the order of the plan.
-    pub const ALL: [Self; 5] =
-        [Self::Emitted, Self::Direct, Self::Radiosity, Self::IrradianceVolume, Self::Mirror];
+    pub const ALL: [Self; 6] =
+        [Self::Emitted, Self::Direct, Self::Radiosity, Self::IrradianceVolume, Self::Mirror, Self::Glossy];
 
     /// Name, that of the stage in a solution's provenance too.
     pub fn name(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Component {
             Self::Radiosity => "radiosity",
             Self::IrradianceVolume => "irradiance volume",
             Self::Mirror => "mirror",
+            Self::Glossy => "glossy",
         }
     }
 
@@ -54,6 +57,7 @@ impl Component {
                 ..over
             },
             Self::Mirror => PlanOverrides { mirror_depth: None, ..over },
+            Self::Glossy => PlanOverrides { glossy: None, ..over },
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,
                 volume_samples: None,

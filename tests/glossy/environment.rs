@@ -2,11 +2,17 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    glossy::environment::{Environments, MOST_MAPS, MapOwner},
+    glossy::environment::{Environments, MOST_MAPS, MapOwner, left_out},
     math::{frame::uniform_direction, random::Rng},
     reference::{path::PathTracer, radiance::radiance_with},
     scene::{Scene, accel::Ray, camera::Camera, geometry::Surface, material::Material, mesh::Mesh},
-    superposition::{PassSettings, composite::DirectQuality, layers::Layer, render},
+    superposition::{
+        PassSettings,
+        composite::DirectQuality,
+        layers::Layer,
+        plan::{Component, Plan},
+        render,
+    },
     transport::LightTransportSolution,
 };
 use lumenscope_tests::{add, box_room, cornell, merged, rectangle, solved};
@@ -156,8 +162,8 @@ fn curved_reflectors_leave_maps_to_flat_ones_in_mirrors() {
         |roughness| Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
     let mut scene = box_room(0.5, 10.0);
     for i in 0..MOST_MAPS {
-        let corner = Vec3::new(-0.8 + 0.1 * i as f32, 0.5, 0.0);
-        let mut curved = rectangle(corner, Vec3::X * 0.05, Vec3::Y * 0.05);
+        let corner = Vec3::new(-0.8 + 0.05 * i as f32, 0.5, 0.0);
+        let mut curved = rectangle(corner, Vec3::X * 0.04, Vec3::Y * 0.04);
         curved.normals.iter_mut().for_each(|n| *n = (*n + 0.2 * Vec3::X).normalize());
         add(&mut scene, "curved", curved, metal(0.0));
     }
@@ -167,6 +173,30 @@ fn curved_reflectors_leave_maps_to_flat_ones_in_mirrors() {
     let maps = &solved(scene, 0.4).environments.list;
     let flat = maps.iter().filter(|map| matches!(map.of, MapOwner::Flat { .. })).count();
     assert_eq!((maps.len(), flat), (MOST_MAPS, 1), "one curved reflector gives way to the floor");
+}
+
+#[test]
+fn every_flat_glossy_reflector_of_a_dozen_has_a_map_and_what_is_left_out_of_more_is_counted() {
+    let metal =
+        |roughness| Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
+    for (tiles, maps, without) in [(12, 12, 0), (18, MOST_MAPS / 2, 18 - MOST_MAPS / 2)] {
+        let mut scene = box_room(0.5, 10.0);
+        for i in 0..tiles {
+            let corner = Vec3::new(-0.9 + 0.1 * i as f32, -0.9, 0.0);
+            add(&mut scene, "tile", rectangle(corner, Vec3::Z * 0.05, Vec3::X * 0.05), metal(0.3));
+        }
+        add(&mut scene, "mirror", rectangle(Vec3::splat(-0.95), Vec3::Y, Vec3::Z), metal(0.0));
+        let solution = solved(scene, 0.4);
+        let found = (solution.environments.list.len(), left_out(&solution.world.geometry));
+        assert_eq!(found, (maps, without), "{tiles} tiles");
+        let plan = Plan::new(&solution.scene, &solution.world, 0.4, 1);
+        let line = plan.lines.iter().find(|l| l.component == Component::Glossy).unwrap();
+        assert!(
+            line.used && line.reason.contains("2 more than have maps") == (without > 0),
+            "{}",
+            line.reason
+        );
+    }
 }
 
 #[test]

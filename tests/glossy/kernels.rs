@@ -1,21 +1,22 @@
 //! Synthetic mirror images: what every kernel must keep, and where two kernels must agree.
 
-use super::{
-    invariant::{Kernel, Measure, WIDEST, convolve},
-    kernel::{GlossyPoint, Lens},
-    lobes::LobeTable,
-    pyramid::{Pyramid, Texel, level_size},
-    variant::gather,
-};
-use crate::{
-    math::random::hash2,
+use glam::{Vec2, Vec3};
+use lumenscope_core::{
+    glossy::{
+        convolution::{Masked, Way},
+        invariant::{Kernel, Measure, WIDEST, convolve},
+        kernel::{GlossyPoint, Lens},
+        lobes::LobeTable,
+        pyramid::{Pyramid, Texel, level_size},
+        variant::gather,
+    },
+    math::random::{hash2, r2_point},
     mirror::{pass::MirrorImage, reflectors::NO_REFLECTOR, views::Eye},
     scene::{
         brdf::{Brdf, Specular},
         camera::Camera,
     },
 };
-use glam::{Vec2, Vec3};
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -57,7 +58,7 @@ impl Setting {
     }
 
     fn variant(&self) -> Vec<Vec3> {
-        let pyramid = Pyramid::new(&self.image, &self.eye_distance);
+        let pyramid = Pyramid::new(&self.image, &self.eye_distance, |_| true);
         let table = LobeTable::new(self.alpha);
         (0..self.image.radiance.len())
             .map(|i| {
@@ -87,7 +88,7 @@ impl Setting {
 
     /// One kernel for all pixels of reflector 0, with its level.
     fn invariant(&self) -> (Vec<Vec3>, Kernel) {
-        let pyramid = Pyramid::new(&self.image, &self.eye_distance);
+        let pyramid = Pyramid::new(&self.image, &self.eye_distance, |_| true);
         let kernel = self.kernel(&pyramid);
         let texels = convolve(&pyramid, 0, &kernel);
         let at = |i: usize| {
@@ -127,6 +128,42 @@ fn constant_light_stays_constant_under_every_kernel() {
             }
         }
     }
+}
+
+#[test]
+fn both_ways_of_summing_agree_keep_white_and_go_beyond_nothing_they_sum() {
+    for radius in [1, 4, 9, 20] {
+        let s = setting(0.8, 0.7, 0.04, |_| 3.0);
+        let (point, nearness, _) = s.middle();
+        let kernel = Kernel::on_level(&s.lens, &point, nearness, 0, radius);
+        // A hole and a patch that weighs half.
+        let mut mask = vec![1.0; s.image.radiance.len()];
+        mask[900..1000].fill(0.0);
+        mask[2000..2100].fill(0.5);
+        let masked = Masked { size: SIZE, radiance: s.image.radiance.clone(), mask };
+        let [direct, fourier] = Way::ALL.map(|way| masked.convolved(&kernel, way));
+        let white = Masked { radiance: vec![Vec3::splat(7.0); masked.radiance.len()], ..masked.clone() };
+        for (a, b) in direct.iter().zip(&fourier) {
+            // Single precision of up to 41 × 41 sums.
+            assert!((*a - *b).abs().max_element() < 1e-5 * 255.0 && a.min_element() >= 0.0, "{a} {b}");
+            assert!(a.max_element() <= 255.0 * (1.0 + 1e-5));
+        }
+        for way in Way::ALL {
+            for l in white.convolved(&kernel, way) {
+                // Black only where no neighbour counts, and the hole is not as wide as that here.
+                assert!((l - Vec3::splat(7.0)).abs().max_element() < 7e-3, "{way:?}, radius {radius}: {l}");
+            }
+        }
+    }
+}
+
+#[test]
+fn small_kernels_are_summed_and_large_ones_transformed() {
+    let size = [720, 486];
+    assert_eq!((Way::cheaper(size, 1), Way::cheaper(size, 60)), (Way::Direct, Way::Fourier));
+    // One change only, and at it both are expected to cost the same within one step of the radius.
+    let ways: Vec<Way> = (1..200).map(|r| Way::cheaper(size, r)).collect();
+    assert_eq!(ways.windows(2).filter(|w| w[0] != w[1]).count(), 1);
 }
 
 #[test]
@@ -243,7 +280,7 @@ fn the_library_reflects_what_quadrature_says() {
             let n = 20_000;
             let mut wanted = Vec3::ZERO;
             for i in 0..n {
-                let u = crate::math::random::r2_point(i, 5);
+                let u = r2_point(i, 5);
                 if let Some(s) = brdf.sample(Vec3::Z, wo, 0.5, u) {
                     wanted += s.specular / n as f32;
                 }

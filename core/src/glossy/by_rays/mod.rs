@@ -1,0 +1,3 @@
+//! The lobe by rays: what the convolutions are held to.
+
+pub mod pass;

@@ -1,0 +1,6 @@
+//! Glossy reflection: kernels, particles, maps, each against a closed form or against rays.
+
+mod environment;
+mod kernels;
+mod particles;
+mod teapot;
