@@ -75,6 +75,10 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
 fn follow(pixel: u32, rays: bool) {
     let state = state_of_pixel(pixel);
     let number = u32(layers[state + 7u]);
+    if number == 0u {
+        // No image-with-depth has seen what is mirrored there.
+        return;
+    }
     let view = views.list[number - 1u];
     var radiance = vec3f(0.0);
     var throughput = vec3f(1.0);
@@ -95,7 +99,7 @@ fn follow(pixel: u32, rays: bool) {
         if view.depth == 1u {
             // From where the ray crosses the reflector's plane.
             let height = dot(view.clip_normal, surface.position) - view.clip_offset;
-            layers[state + 6u] = height / max(dot(view.clip_normal, direction), 1e-6);
+            layers[state + 6u] = max(height / max(dot(view.clip_normal, direction), 1e-6), 0.0);
         }
         let stored = stored_light(surface);
         let terms = diffuse_terms(surface, stored, rays, hash2(pixel_scramble(pixel), view.depth));
@@ -162,7 +166,11 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
 fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = atomicLoad(&work[WITH_VIEW * HEAD + 3u]);
     for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
-        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITH_VIEW, i)]), true);
+        let pixel = atomicLoad(&work[work_place(frame.size, WITH_VIEW, i)]);
+        // What no image-with-depth has seen is among those without a view.
+        if layers[state_of_pixel(pixel) + 6u] != NOT_MIRRORED {
+            reflect_pixel(pixel, true);
+        }
     }
 }
 

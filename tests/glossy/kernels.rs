@@ -46,6 +46,7 @@ fn setting(fov: f32, tilt: f32, alpha: f32, distance: impl Fn(usize) -> f32) -> 
         radiance,
         distance: (0..count).map(distance).collect(),
         views: 1,
+        holes: 0,
     };
     Setting { lens, normal, image, eye_distance, alpha }
 }

@@ -2,6 +2,8 @@
 
 mod brdf;
 mod culling;
+mod image_pictures;
+mod image_splats;
 mod images;
 mod planar;
 mod thrown;

@@ -3,14 +3,15 @@
 use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{
     math::part::Part,
-    measure::significance::z_test,
+    measure::significance::{ZTest, z_test},
     mirror::{
         reflectors::Reflectors,
         views::{Eye, MirroredView, mirrored_views},
     },
     reference::{Estimate, radiance::radiance},
     scene::{
-        Scene, accel::Ray, camera::Camera, fresnel, geometry::Geometry, material::Material, world::World,
+        Scene, accel::Ray, camera::Camera, fresnel, geometry::Geometry, material::Material, mesh::Mesh,
+        world::World,
     },
     superposition::{
         PassSettings,
@@ -52,9 +53,8 @@ fn views(scene: &Scene, camera: &Camera, depth: u32) -> Vec<MirroredView> {
     mirrored_views(&geometry, &Reflectors::new(&geometry), Eye::new(camera, 4.0 / 3.0), depth)
 }
 
-#[test]
-fn a_mirror_shows_what_the_path_tracer_sees_in_it() {
-    let scene = floor_and_mirror();
+/// Pixels that show a mirror, and the difference of a picture to the path tracer's.
+fn against_paths(scene: Scene) -> (usize, ZTest) {
     let camera = scene.camera;
     let solution = solved(scene, 0.5);
     let settings = PassSettings { direct: DirectQuality::PerPixel(256), ..PassSettings::default() };
@@ -74,6 +74,12 @@ fn a_mirror_shows_what_the_path_tracer_sees_in_it() {
     }
     let test = z_test(&found, &wanted, 0.01).unwrap();
     println!("{mirrored} of {} pixels in the mirror: {test:?}", found.len());
+    (mirrored, test)
+}
+
+#[test]
+fn a_mirror_shows_what_the_path_tracer_sees_in_it() {
+    let (mirrored, test) = against_paths(floor_and_mirror());
     assert!(mirrored > 60 && test.passes(), "{test:?}");
 }
 
@@ -175,4 +181,78 @@ fn coplanar_triangles_are_one_reflector_and_curved_ones_none() {
     assert!((found.list[0].offset - 0.1).abs() < 1e-6 && found.list[0].normal == Vec3::Y);
     let x = Vec3::new(0.3, 2.0, -1.0);
     assert!(found.list[0].mirror_point(x).distance(Vec3::new(0.3, -1.8, -1.0)) < 1e-6);
+}
+
+/// A net of `n` × `n` cells over the square from −1 to 1, at the heights and with the normals of a surface.
+fn net(n: u32, surface: impl Fn(Vec2) -> (f32, Vec3)) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (y, x) in (0..=n).flat_map(|y| (0..=n).map(move |x| (y, x))) {
+        let at = 2.0 * Vec2::new(x as f32, y as f32) / n as f32 - 1.0;
+        let (height, normal) = surface(at);
+        mesh.positions.push(Vec3::new(at.x, height, at.y));
+        mesh.normals.push(normal);
+        mesh.uvs.push(at);
+    }
+    let corner = |x, y| y * (n + 1) + x;
+    for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
+        let [a, b, c, d] = [corner(x, y), corner(x, y + 1), corner(x + 1, y + 1), corner(x + 1, y)];
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    mesh
+}
+
+fn reflectors_of(mesh: Mesh) -> (usize, Reflectors) {
+    let mut scene = Scene::default();
+    let triangles = mesh.triangles.len();
+    add(&mut scene, "net", mesh, mirror(Vec3::splat(0.9)));
+    (triangles, Reflectors::new(&Geometry::new(&scene)))
+}
+
+#[test]
+fn a_bowl_of_facets_as_good_as_flat_is_curved() {
+    // A cap of a ball of radius 2: its facets turn by 0.01 from one to the next, their corners by half of it.
+    for n in [100, 300] {
+        let (triangles, found) = reflectors_of(net(n, |at| {
+            let height = (4.0 - at.length_squared()).sqrt();
+            (height, Vec3::new(at.x, height, at.y) / 2.0)
+        }));
+        assert_eq!((found.list.len(), found.curved), (0, triangles), "{n} cells across");
+    }
+}
+
+#[test]
+fn a_plate_keeps_its_flat_middle_where_its_rim_is_rounded() {
+    // Beyond half of the way out it turns down, ever more; the edge's corners have the middle's normal.
+    let rim = |at: Vec2| (at.x.abs().max(at.y.abs()) - 0.5).max(0.0);
+    let (triangles, found) = reflectors_of(net(40, |at| {
+        let out = if at.x.abs() > at.y.abs() { Vec3::X * at.x.signum() } else { Vec3::Z * at.y.signum() };
+        let slope = 2.0 * rim(at);
+        (-rim(at).powi(2), (Vec3::Y + out * slope).normalize())
+    }));
+    assert_eq!(found.list.len(), 1, "one flat middle");
+    assert_eq!(found.list[0].triangles.len(), triangles / 4);
+    assert!((found.list[0].area - 1.0).abs() < 1e-5 && found.curved == triangles * 3 / 4);
+}
+
+#[test]
+fn a_flat_plate_with_coarse_normals_is_one_mirror() {
+    // Normals of eight bits: off by up to 1/127, all alike.
+    let normal = Vec3::new(1.0, 126.0, 0.0).normalize();
+    let (triangles, found) = reflectors_of(net(30, |_| (0.0, normal)));
+    assert_eq!((found.list.len(), found.curved), (1, 0));
+    assert_eq!(found.list[0].triangles.len(), triangles);
+}
+
+#[test]
+fn from_behind_a_double_sided_mirror_shows_what_the_path_tracer_sees_in_it() {
+    let mut scene = floor_and_mirror();
+    scene.materials[1].double_sided = true;
+    // The same room again behind the mirror, in other colours; no light leaks past the mirror's edge into it.
+    let floor = rectangle(Vec3::new(-4.0, 0.0, -2.0), Vec3::Z * 4.0, Vec3::X * 4.0);
+    add(&mut scene, "back floor", floor, diffuse("back floor", Vec3::new(0.3, 0.6, 0.5), Vec3::ZERO));
+    let lamp = rectangle(Vec3::new(-0.1, 1.2, -0.4), Vec3::Z * 0.8, Vec3::Y * 0.6);
+    add(&mut scene, "back lamp", lamp, diffuse("back lamp", Vec3::ZERO, Vec3::new(60.0, 80.0, 100.0)));
+    scene.camera.eye.x = -scene.camera.eye.x;
+    let (mirrored, test) = against_paths(scene);
+    assert!(mirrored > 60 && test.passes(), "{test:?}");
 }

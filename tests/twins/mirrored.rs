@@ -2,7 +2,13 @@
 
 use super::*;
 use lumenscope_core::superposition::{PassSettings, accumulator::Accumulator, render};
-use lumenscope_core::{glossy::GlossyMethod, scene::world::World};
+use lumenscope_core::{
+    glossy::GlossyMethod,
+    gpu::{Stage, StageClock},
+    math::progress::Progress,
+    mirror::{MirrorMethod, images::MirrorImages},
+    scene::world::World,
+};
 use lumenscope_tests::cornell;
 
 /// A box with mirrors left and right, a polished floor, a chrome block and a bent piece of metal.
@@ -160,4 +166,63 @@ fn culling_changes_no_pixel() {
         assert!(culled.0 == whole.0, "other triangles are seen");
         assert!(culled.1 == whole.1, "the layers differ");
     }
+}
+
+#[test]
+fn mirrors_from_images_with_depth_are_the_specifications() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let solution = mirrored();
+    let images = MirrorImages::automatic(&solution.world, &Progress::silent()).unwrap();
+    let mut scene = (*solution.scene).clone();
+    scene.plan.mirrors = Some(MirrorMethod::Images);
+    let scene = Arc::new(scene);
+    let by_images =
+        LightTransportSolution { scene, mirror_images: Some(Arc::new(images)), ..solution.clone() };
+    let camera =
+        Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.4, -0.5), ..Camera::default() };
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    gpu.upload(&by_images);
+    gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+    let (buffer, layers) = render(&by_images, &camera, SIZE[0], SIZE[1], &settings);
+    let which = [Layer::Mirror, Layer::Glossy];
+    compare_layers("images", &which, (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+    // They are no geometry's.
+    let exact = render(&solution, &camera, SIZE[0], SIZE[1], &settings).1;
+    let (a, b) = (layers.get(Layer::Mirror), exact.get(Layer::Mirror));
+    let other = |(a, b): &(&Vec3, &Vec3)| (**a - **b).abs().max_element() > 0.01 * b.max_element();
+    assert!(a.pixels.iter().zip(&b.pixels).filter(other).count() > 50);
+    // Without lamps: nothing but light is uploaded anew, and nothing of the old is left.
+    let mut dark = (*by_images.scene).clone();
+    dark.lamps.iter_mut().for_each(|l| l.dimmer = 0.0);
+    let dark = lumenscope_tests::solved(dark, 0.2);
+    let dark = LightTransportSolution { mirror_images: by_images.mirror_images.clone(), ..dark };
+    gpu.upload(&dark);
+    gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+    assert_eq!(gpu.layers().get(Layer::Mirror).mean(), Vec3::ZERO);
+}
+
+#[test]
+fn a_scene_without_reflectors_has_no_pass_and_no_buffer_of_mirrors() {
+    if context().is_none() {
+        return;
+    }
+    let mut gpu = Gpu::new(GpuContext::headless_with(StageClock::FEATURES).unwrap());
+    gpu.renderer.set_clock(StageClock::new(&gpu.context.device, &gpu.context.queue));
+    let mut of = |solution: &LightTransportSolution| {
+        gpu.upload(solution);
+        gpu.frame(&frame_settings(solution.scene.camera, DirectQuality::Elements));
+        let stages = gpu.renderer.clock().map(|clock| clock.stages().to_vec());
+        (stages, gpu.renderer.has_mirror_passes(), gpu.renderer.layer_bytes())
+    };
+    let dull = solved(cornell());
+    let plain = of(&dull);
+    assert!(!plain.1 && plain.2 == 4 * 9 * u64::from(SIZE[0] * SIZE[1]));
+    if let Some(stages) = &plain.0 {
+        assert_eq!(stages[..], [Stage::Visibility, Stage::Shading, Stage::Composite]);
+    }
+    let polished = of(&mirrored());
+    assert!(polished.1 && polished.2 > plain.2 && polished.0 != plain.0);
+    // Dull again: what was made for it is gone.
+    assert_eq!(of(&dull), plain);
 }

@@ -4,7 +4,7 @@ use bytemuck::offset_of;
 use lumenscope_core::{
     glossy::gpu as glossy_gpu,
     gpu::{frame, inspection as gpu_inspection, shaders, tables},
-    mirror::gpu as mirror_gpu,
+    mirror::{images::gpu as images_gpu, view_table},
     radiosity::lookup::SideMap,
 };
 
@@ -35,7 +35,7 @@ macro_rules! same_layout {
 
 #[test]
 fn structures_have_the_same_layout_on_both_sides() {
-    use shaders::{COMPOSITE, GLOSSY, INSPECTION, MIRROR_FOLLOW, SHADE};
+    use shaders::{COMPOSITE, GLOSSY, INSPECTION, MIRROR_FOLLOW, MIRROR_SPLAT, SHADE};
     same_layout!(
         SHADE,
         "Frame",
@@ -59,9 +59,24 @@ fn structures_have_the_same_layout_on_both_sides() {
         depth_bias
     );
     same_layout!(
+        MIRROR_SPLAT,
+        "ImageInfo",
+        images_gpu::ImageInfo,
+        eye,
+        first,
+        corner,
+        resolution,
+        edge_u,
+        padding_0,
+        edge_v,
+        padding_1
+    );
+    same_layout!(MIRROR_SPLAT, "ImagePoint", images_gpu::ImagePoint, scale, triangle);
+    same_layout!(MIRROR_SPLAT, "Run", images_gpu::RunInfo, image, first, level, view);
+    same_layout!(
         MIRROR_FOLLOW,
         "MirroredView",
-        mirror_gpu::ViewInfo,
+        view_table::ViewInfo,
         eye,
         reflector,
         right,
@@ -78,7 +93,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
     same_layout!(GLOSSY, "MeasuredReflectors", glossy_gpu::MeasuredReflectors, list, count, padding);
     same_layout!(GLOSSY, "KernelInfo", glossy_gpu::KernelInfo, level, radius, known, padding, weights);
-    same_layout!(MIRROR_FOLLOW, "MirroredViews", mirror_gpu::ViewTable, count, near, padding, list);
+    same_layout!(MIRROR_FOLLOW, "MirroredViews", view_table::ViewTable, count, near, padding, list);
     same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
     same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object, reflector, environment);
     same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, stored_direct);

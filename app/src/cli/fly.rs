@@ -1,12 +1,13 @@
 //! `fly`: a recorded walk on the GPU twin, and what flat reflectors cost it, as Bastos 1999, Fig. 6.20 asks.
 
-use super::{Common, fly_path::Walk, parse_glossy, parse_size, solve};
+use super::{Common, fly_path::Walk, parse_glossy, parse_size, render::MirrorsName, solve};
 use anyhow::{Context, bail};
 use clap::Args;
 use lumenscope_core::{
     glossy::GlossyMethod,
     gpu::{FrameSettings, GpuContext, GpuRenderer, Stage, StageClock},
-    mirror::{MirrorSettings, reflectors::Reflectors},
+    math::progress::Progress,
+    mirror::{MirrorMethod, MirrorSettings, images::MirrorImages, reflectors::Reflectors},
     scene::Scene,
     superposition::composite::DirectQuality,
     transport::LightTransportSolution,
@@ -41,6 +42,23 @@ pub struct Options {
     /// Mirrors that light is followed through; the scene's plan by default.
     #[arg(long)]
     depth: Option<u32>,
+    /// Where what mirrors show comes from; several are walked in turn.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [MirrorsName::Geometry])]
+    mirrors: Vec<MirrorsName>,
+    /// Images-with-depth an element; several are walked in turn.
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_parser = clap::value_parser!(u32).range(1..=64))]
+    count: Vec<u32>,
+}
+
+impl Options {
+    /// What is walked with: images-with-depth an element, or `None` for geometry.
+    fn methods(&self) -> Vec<Option<u32>> {
+        let of = |mirrors: &MirrorsName| match mirrors {
+            MirrorsName::Geometry => vec![None],
+            MirrorsName::Images => self.count.iter().copied().map(Some).collect(),
+        };
+        self.mirrors.iter().flat_map(of).collect()
+    }
 }
 
 /// Numbers of reflectors.
@@ -65,6 +83,8 @@ fn parse_counts(text: &str) -> Result<Counts, String> {
 /// What one walk cost.
 struct Row {
     reflectors: usize,
+    /// Images-with-depth an element, or from the geometry.
+    images: Option<u32>,
     /// Mirrored views a frame, mean.
     views: f64,
     /// Milliseconds of each frame, sorted.
@@ -74,6 +94,12 @@ struct Row {
 }
 
 impl Row {
+    /// Where what its mirrors show comes from.
+    fn mirrors(&self) -> String {
+        self.images
+            .map_or("geometry".into(), |count| format!("{count} image{}", if count == 1 { "" } else { "s" }))
+    }
+
     fn percentile(&self, share: f64) -> f64 {
         self.milliseconds[((self.milliseconds.len() - 1) as f64 * share).round() as usize]
     }
@@ -116,6 +142,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if let Some(too_many) = options.reflectors.0.iter().find(|n| **n > found) {
         bail!("{}: {too_many} reflectors asked for, {found} found", options.scene.display());
     }
+    let solution = match options.mirrors.contains(&MirrorsName::Images) {
+        true => {
+            let images = MirrorImages::automatic(&solution.world, &Progress::silent())?;
+            LightTransportSolution { mirror_images: Some(Arc::new(images)), ..solution }
+        }
+        false => solution,
+    };
     let context = GpuContext::headless_with(StageClock::FEATURES)?;
     let timed = StageClock::new(&context.device, &context.queue).is_some();
     let (plain, wanted) = (GlossyMethod::Sharp, options.glossy.unwrap_or(GlossyMethod::Sharp));
@@ -131,27 +164,38 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         if timed { "stages by timestamps" } else { "stages by differences" }
     );
     println!(
-        "{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}",
-        "reflectors", "views", "median ms", "95 % ms", "frames/s", "views %", "convol. %", "shading %"
+        "{:>10}{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}",
+        "reflectors",
+        "mirrors",
+        "views",
+        "median ms",
+        "95 % ms",
+        "frames/s",
+        "views %",
+        "convol. %",
+        "shading %"
     );
-    let measure = |count: usize, glossy: GlossyMethod| {
+    let measure = |count: usize, images: Option<u32>, glossy: GlossyMethod| -> anyhow::Result<Row> {
         let (mut solution, _) = with_reflectors(&solution, count, options);
-        let mut scene = (*solution.scene).clone();
-        scene.plan.glossy = Some(glossy);
-        solution.scene = Arc::new(scene);
-        walk_once(&context, &solution, &walk, count, options)
+        let plan = &mut Arc::make_mut(&mut solution.scene).plan;
+        plan.glossy = Some(glossy);
+        plan.mirrors = Some(if images.is_some() { MirrorMethod::Images } else { MirrorMethod::Geometry });
+        plan.mirror_images = images;
+        Ok(Row { images, ..walk_once(&context, &solution, &walk, count, options)? })
     };
     // Without reflectors twice, before and after: what differs is noise.
-    let before = measure(0, plain)?;
+    let before = measure(0, None, plain)?;
     let mut rows = Vec::new();
     for &count in &options.reflectors.0 {
-        let sharp = (wanted != plain && !timed).then(|| measure(count, plain)).transpose()?;
-        let row = measure(count, wanted)?;
-        let shares = row.shares(&before, sharp.as_ref());
-        print_row(&row, shares);
-        rows.push((row, shares));
+        for images in options.methods() {
+            let sharp = (wanted != plain && !timed).then(|| measure(count, images, plain)).transpose()?;
+            let row = measure(count, images, wanted)?;
+            let shares = row.shares(&before, sharp.as_ref());
+            print_row(&row, shares);
+            rows.push((row, shares));
+        }
     }
-    let after = measure(0, plain)?;
+    let after = measure(0, None, plain)?;
     println!(
         "without reflectors: {:.1} ms before, {:.1} ms after",
         before.percentile(0.5),
@@ -166,8 +210,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 fn print_row(row: &Row, shares: [f64; 3]) {
     let shares = shares.map(|s| if s.is_finite() { format!("{s:.1}") } else { "-".into() });
     println!(
-        "{:>10}{:>9.2}{:>11.1}{:>9.1}{:>10.2}{:>10}{:>10}{:>10}",
+        "{:>10}{:>10}{:>9.2}{:>11.1}{:>9.1}{:>10.2}{:>10}{:>10}{:>10}",
         row.reflectors,
+        row.mirrors(),
         row.views,
         row.percentile(0.5),
         row.percentile(0.95),
@@ -254,7 +299,13 @@ fn walk_once(
     }
     milliseconds.sort_by(f64::total_cmp);
     let each = |total: f64| total / f64::from(options.frames);
-    Ok(Row { reflectors, views: each(views as f64), milliseconds, stages: sum.map(|s| s.map(each)) })
+    Ok(Row {
+        reflectors,
+        images: None,
+        views: each(views as f64),
+        milliseconds,
+        stages: sum.map(|s| s.map(each)),
+    })
 }
 
 fn write(
@@ -266,7 +317,7 @@ fn write(
 ) -> anyhow::Result<()> {
     solve::output_folder(out)?;
     let mut table = String::from(
-        "reflectors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,shading_percent",
+        "reflectors,mirrors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,shading_percent",
     );
     for stage in Stage::ALL {
         let _ = write!(table, ",{}_ms", stage.name());
@@ -278,11 +329,12 @@ fn write(
         let numbers = [row.views, row.percentile(0.5), row.percentile(0.95), 1000.0 / row.mean()];
         let cells: Vec<String> =
             numbers.iter().chain(shares).chain(&stages).map(|x| format!("{x:.3}")).collect();
-        let _ = writeln!(table, "{},{}", row.reflectors, cells.join(","));
+        let _ = writeln!(table, "{},{},{}", row.reflectors, row.mirrors(), cells.join(","));
         let stages: serde_json::Map<String, serde_json::Value> =
             Stage::ALL.iter().zip(stages).map(|(s, ms)| (format!("{}_ms", s.name()), json!(ms))).collect();
         list.push(json!({
             "reflectors": row.reflectors,
+            "images_an_element": row.images,
             "mirrored_views": row.views,
             "median_ms": row.percentile(0.5),
             "p95_ms": row.percentile(0.95),

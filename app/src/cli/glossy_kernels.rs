@@ -135,6 +135,7 @@ fn by_level(picture: &Masked, lens: &Lens, point: &GlossyPoint, nearness: f32, r
         radiance: picture.radiance.clone(),
         distance: vec![1.0; count],
         views: 1,
+        holes: 0,
     };
     let eye_distance = vec![1.0; count];
     let kernel = Kernel::for_radius(lens, point, nearness, radius, MOST_LEVELS);

@@ -12,28 +12,20 @@ use anyhow::bail;
 use clap::Args;
 use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{
-    math::image::LinearImage,
+    math::{image::LinearImage, progress::Progress},
     measure::image,
     mirror::{
         images::{
-            LayeredImage, ReflectorImages, SampleSettings, Selection, Splat,
+            LayeredImage, MirrorImages, SampleSettings, Selection, Splat,
             inspect::HOLE,
-            pass::{
-                Layered, MirrorPicture, Nearest, diffuse, from_geometry, from_points, reflector_of_pixels,
-            },
+            pass::{Frame, Layered, MirrorPicture, Nearest, diffuse},
         },
-        reflectors::{NO_REFLECTOR, Reflectors},
+        reflectors::Reflectors,
     },
-    scene::geometry::Geometry,
+    scene::{Scene, geometry::Geometry, world::World},
     superposition::{PassSettings, composite::DirectQuality, gbuffer::GBuffer, pass::Shading},
 };
 use std::{fmt::Write as _, path::PathBuf, time::Instant};
-
-/// Bytes of a pixel of an image-with-depth.
-const BYTES_A_PIXEL: f32 = 28.0;
-
-/// Memory that images may take, GB.
-const MOST_GIGABYTES: f32 = 8.0;
 
 /// Options of `images`.
 #[derive(Args)]
@@ -46,21 +38,22 @@ pub struct Options {
     /// Picture size.
     #[arg(long, default_value = "720x486", value_parser = parse_size)]
     size: [u32; 2],
-    /// Longest side of a reflector element, m.
-    #[arg(long, default_value_t = 1.5)]
-    element: f32,
+    /// Longest side of a reflector element, m. Without this and the next three each reflector is sampled as its size
+    /// asks; with any of them all are alike, in elements of 1.5 m, 12 images of 128×128 from 1.6 m.
+    #[arg(long)]
+    element: Option<f32>,
     /// Images-with-depth a hemisphere.
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    poses: u32,
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    poses: Option<u32>,
     /// Radius of the hemispheres, m.
-    #[arg(long, default_value_t = 1.6)]
-    radius: f32,
-    /// Width and height of an image-with-depth, pixels.
-    #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(4..=1024))]
-    resolution: u32,
+    #[arg(long)]
+    radius: Option<f32>,
+    /// Width and height of an image-with-depth, pixels: a power of two from 8 to 1024.
+    #[arg(long)]
+    resolution: Option<u32>,
     /// Images an element that are reprojected.
-    #[arg(long, value_delimiter = ',', default_values_t = [1, 2, 4])]
-    count: Vec<usize>,
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 2, 4], value_parser = clap::value_parser!(u32).range(1..))]
+    count: Vec<u32>,
     /// Choose images by distance instead of by angle.
     #[arg(long)]
     by_distance: bool,
@@ -72,7 +65,7 @@ pub struct Options {
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     for (name, value) in [("element", options.element), ("radius", options.radius)] {
-        if !(0.01..=1000.0).contains(&value) {
+        if let Some(value) = value.filter(|v| !(0.01..=1000.0).contains(v)) {
             bail!("--{name} {value} must lie from 0.01 to 1000 m");
         }
     }
@@ -82,28 +75,21 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if reflectors.is_empty() {
         bail!("{}: nothing flat is polished", options.scene.display());
     }
-    let [area, element, poses, side] = [
-        reflectors.list.iter().map(|r| r.area).sum(),
-        options.element,
-        options.poses as f32,
-        options.resolution as f32,
-    ];
-    let gigabytes = 1e-9 * BYTES_A_PIXEL * side * side * poses * (area / (element * element)).max(1.0);
-    if gigabytes > MOST_GIGABYTES {
-        bail!(
-            "{area:.1} m² of mirrors in elements of {element} m with {poses} images of {side}×{side} take about \
-             {gigabytes:.0} GB; at most {MOST_GIGABYTES} GB are taken: choose larger elements or fewer images"
-        );
-    }
+    // What does not fit is told before the light is solved.
+    let began = Instant::now();
+    let mut images = options.sample(&World::new(&loaded.scene))?;
+    let seconds = began.elapsed().as_secs_f64();
     let solution = solve::solve(&loaded, false)?;
     let (world, camera) = (&solution.world, &solution.scene.camera);
     let pass = PassSettings { direct: DirectQuality::Elements, seed: common.seed, ..PassSettings::default() };
     let shading = Shading::new(&solution, &pass);
-    let sets = sample(options, &shading, &reflectors)?;
+    images.recolour(world, &diffuse(&shading));
+    describe(options, &solution.scene, &reflectors, &images, seconds)?;
     let layering = Instant::now();
-    let layered: Vec<(u32, Vec<LayeredImage>)> = sets
+    let layered: Vec<(u32, Vec<LayeredImage>)> = images
+        .sets
         .iter()
-        .map(|set| (set.reflector, set.elements.iter().map(|e| LayeredImage::new(e)).collect()))
+        .map(|set| (set.triangle, set.elements.iter().map(|e| LayeredImage::new(e)).collect()))
         .collect();
     let layering = layering.elapsed().as_secs_f64();
     let all = || layered.iter().flat_map(|(_, images)| images);
@@ -117,87 +103,87 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 
     let size = UVec2::from(options.size);
     let buffer = GBuffer::new(world, camera, size, Vec2::splat(0.5));
-    let of_pixels = reflector_of_pixels(&reflectors, &buffer, camera.eye);
+    let frame = Frame::new(world, &reflectors, &buffer, camera);
     let began = Instant::now();
-    let exact = from_geometry(&shading, &reflectors, &of_pixels, &buffer, camera);
+    let exact = frame.from_geometry(&shading);
     let rays = 1e3 * began.elapsed().as_secs_f64();
     if exact.mirrored == 0 {
         bail!("{}: the scene's camera sees no flat reflector", options.scene.display());
     }
-    println!("{} of {} pixels show mirrors; a ray each: {rays:.1} ms", exact.mirrored, of_pixels.len());
+    println!("{} of {} pixels show mirrors; a ray each: {rays:.1} ms", exact.mirrored, frame.of_pixels.len());
     println!(
         "{:<9}{:<10}{:>10}{:>10}{:>10}{:>9}{:>9}",
         "images", "splat", "points", "relMSE", "FLIP", "holes %", "ms"
     );
-    let mut table = Table { options, of_pixels: &of_pixels, exact: &exact, text: String::new() };
+    let mut table = Table { options, of_pixels: &frame.of_pixels, exact: &exact, text: String::new() };
     table.text.push_str("images,splat,points,rel_mse,flip,holes_percent,milliseconds\n");
     let selection = if options.by_distance { Selection::Distance } else { Selection::Angle };
-    let show = |points: &dyn Fn(Splat) -> MirrorPicture, splat| {
+    let timed = |show: &dyn Fn() -> MirrorPicture| {
         let began = Instant::now();
-        let shown = points(splat);
+        let shown = show();
         (shown, 1e3 * began.elapsed().as_secs_f64())
     };
-    let view = (camera, size);
+    let nearest = |count: u32| Nearest { images: &images, selection, count: count as usize };
     for splat in Splat::ALL {
         for &count in &options.count {
-            let nearest = Nearest { sets: &sets, selection, count };
-            let points = |splat| from_points(&nearest, &reflectors, &of_pixels, view, splat);
-            table.row(&count.to_string(), splat, show(&points, splat))?;
+            let shown = timed(&|| frame.from_points(&nearest(count), splat));
+            table.row(&count.to_string(), splat.name(), shown)?;
         }
     }
+    for &count in &options.count {
+        table.row(&count.to_string(), "ids", timed(&|| frame.from_ids(&nearest(count), &shading)))?;
+    }
     for splat in [Splat::Box, Splat::Gaussian] {
-        let points = |splat| from_points(&Layered(&layered), &reflectors, &of_pixels, view, splat);
-        table.row("layered", splat, show(&points, splat))?;
+        let shown = timed(&|| frame.from_points(&Layered(&layered), splat));
+        table.row("layered", splat.name(), shown)?;
     }
     table.picture("geometry", &exact)?;
     solve::write(&options.out.join("images.csv"), &table.text)
 }
 
-/// Samples every reflector and prints Table 6.1.
-fn sample(
+impl Options {
+    fn sample(&self, world: &World) -> anyhow::Result<MirrorImages> {
+        let chosen = self.element.is_some() || self.poses.is_some() || self.radius.is_some();
+        if !chosen && self.resolution.is_none() {
+            return Ok(MirrorImages::automatic(world, &Progress::silent())?);
+        }
+        let usual = SampleSettings::default();
+        let settings = SampleSettings {
+            element_m: self.element.unwrap_or(usual.element_m),
+            poses: self.poses.unwrap_or(usual.poses),
+            radius_m: self.radius.unwrap_or(usual.radius_m),
+            resolution: self.resolution.unwrap_or(usual.resolution),
+        };
+        Ok(MirrorImages::new(world, &settings, &Progress::silent())?)
+    }
+}
+
+/// Prints Bastos 1999, Table 6.1, and writes it.
+fn describe(
     options: &Options,
-    shading: &Shading,
+    scene: &Scene,
     reflectors: &Reflectors,
-) -> anyhow::Result<Vec<ReflectorImages>> {
-    let settings = SampleSettings {
-        element_m: options.element,
-        poses: options.poses,
-        radius_m: options.radius,
-        resolution: options.resolution,
-    };
-    let (scene, world) = (&shading.solution.scene, &shading.solution.world);
-    let radiance = diffuse(shading);
-    println!(
-        "{:<24}{:>12}{:>12}{:>12}{:>10}{:>10}",
-        "reflector", "hemispheres", "images each", "resolution", "MB", "build s"
-    );
-    let mut text =
-        String::from("reflector,hemispheres,images_per_hemisphere,resolution,bytes,build_seconds\n");
-    let mut sets = Vec::new();
-    for (number, reflector) in reflectors.list.iter().enumerate() {
-        let began = Instant::now();
-        let set = ReflectorImages::new((world, &radiance), number as u32, reflector, &settings);
-        let seconds = began.elapsed().as_secs_f64();
-        let name = &scene.objects[reflector.object as usize].name;
+    images: &MirrorImages,
+    seconds: f64,
+) -> anyhow::Result<()> {
+    println!("{:<24}{:>12}{:>12}{:>12}{:>10}", "reflector", "hemispheres", "images each", "resolution", "MB");
+    let mut text = String::from("reflector,side,hemispheres,images_per_hemisphere,resolution,bytes\n");
+    for set in &images.sets {
+        let reflector = reflectors.list.iter().find(|r| r.triangles[0] == set.triangle);
+        let name = reflector.map_or("", |r| &scene.objects[r.object as usize].name);
+        let side = if set.back { "back" } else { "front" };
+        let (poses, resolution) = (set.settings.poses, set.settings.resolution);
         println!(
-            "{name:<24}{:>12}{:>12}{:>12}{:>10.2}{seconds:>10.2}",
+            "{:<24}{:>12}{poses:>12}{:>12}{:>10.2}",
+            if set.back { format!("{name}, back") } else { name.to_owned() },
             set.elements.len(),
-            options.poses,
-            format!("{0}x{0}", options.resolution),
+            format!("{resolution}x{resolution}"),
             1e-6 * set.bytes() as f64
         );
-        let _ = writeln!(
-            text,
-            "{name},{},{},{},{},{seconds}",
-            set.elements.len(),
-            options.poses,
-            options.resolution,
-            set.bytes()
-        );
-        sets.push(set);
+        let _ = writeln!(text, "{name},{side},{},{poses},{resolution},{}", set.elements.len(), set.bytes());
     }
-    solve::write(&options.out.join("samples.csv"), &text)?;
-    Ok(sets)
+    println!("{:.2} MB with colours, taken in {seconds:.2} s", 1e-6 * images.bytes() as f64);
+    solve::write(&options.out.join("samples.csv"), &text)
 }
 
 struct Table<'a> {
@@ -209,22 +195,21 @@ struct Table<'a> {
 
 impl Table<'_> {
     /// Prints how a picture differs, and writes it.
-    fn row(&mut self, name: &str, splat: Splat, (shown, ms): (MirrorPicture, f64)) -> anyhow::Result<()> {
+    fn row(&mut self, name: &str, splat: &str, (shown, ms): (MirrorPicture, f64)) -> anyhow::Result<()> {
         let rel_mse = image::rel_mse(&self.mirrors(&shown), &self.mirrors(self.exact))?;
         let flip = flip(&self.whole(&shown, Vec3::ZERO), &self.whole(self.exact, Vec3::ZERO))?;
         let holes = 100.0 * shown.hole_share();
         println!(
             "{name:<9}{:<10}{:>10}{rel_mse:>10.4}{flip:>10.4}{holes:>9.2}{ms:>9.1}",
-            splat.name(),
-            shown.points
+            splat, shown.points
         );
-        let _ = writeln!(self.text, "{name},{},{},{rel_mse},{flip},{holes},{ms}", splat.name(), shown.points);
-        self.picture(&format!("{name}_{}", splat.name()), &shown)
+        let _ = writeln!(self.text, "{name},{},{},{rel_mse},{flip},{holes},{ms}", splat, shown.points);
+        self.picture(&format!("{name}_{splat}"), &shown)
     }
 
     /// The pixels of the mirrors alone, as an image of one row.
     fn mirrors(&self, picture: &MirrorPicture) -> LinearImage {
-        let seen = picture.radiance.iter().zip(self.of_pixels).filter(|(_, r)| **r != NO_REFLECTOR);
+        let seen = picture.radiance.iter().zip(self.of_pixels).filter(|(_, view)| **view != 0);
         let pixels: Vec<Vec3> = seen.map(|(radiance, _)| *radiance).collect();
         LinearImage { width: pixels.len() as u32, height: 1, pixels }
     }

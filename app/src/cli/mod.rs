@@ -25,6 +25,7 @@ mod plot;
 mod probe;
 mod radial_svg;
 mod reference;
+mod reflectance;
 mod render;
 mod replay;
 mod report;
@@ -151,6 +152,11 @@ enum Job {
     /// Mirrors shown from images-with-depth against those shown from the geometry.
     #[command(after_help = "Example: lumenscope images scenes/house/house.ron --out out")]
     Images(images::Options),
+    /// How polished materials reflect by angle: maps, graphs, and what that makes of a mirror image.
+    #[command(
+        after_help = "Example: lumenscope reflectance scenes/mirror/pyramid.ron --metal 0.63,0.56,0.37 --out out"
+    )]
+    Reflectance(reflectance::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
     Check {
@@ -197,6 +203,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Glossy(options)) => glossy::run(&options, common),
         Some(Job::Kernel(options)) => kernel::run(&options, common),
         Some(Job::Images(options)) => images::run(&options, common),
+        Some(Job::Reflectance(options)) => reflectance::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
     }

@@ -10,6 +10,7 @@ use lumenscope_core::{
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
     math::image::LinearImage,
+    mirror::MirrorMethod,
     radiosity::lookup::Lookup,
     reference::expression::Expression,
     scene::world::World,
@@ -53,6 +54,9 @@ pub struct Options {
     /// (not at all); as the plan has it by default.
     #[arg(long, value_parser = parse_glossy)]
     glossy: Option<GlossyMethod>,
+    /// Where what flat mirrors show comes from; as the plan has it by default.
+    #[arg(long, value_enum)]
+    mirrors: Option<MirrorsName>,
     /// Only the light of these paths, from the light L to the eye E by diffuse D and specular S reflections; where
     /// nothing is specular any, else what is a sum of layers: LDE, "LD{2}E", "L(D|S)*SE".
     #[arg(long)]
@@ -81,6 +85,15 @@ enum LookupName {
     Mitchell,
 }
 
+/// [`MirrorMethod`] by its name on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MirrorsName {
+    /// The geometry seen from mirrored eyes.
+    Geometry,
+    /// Images-with-depth taken beforehand.
+    Images,
+}
+
 /// Renders.
 ///
 /// # Errors
@@ -95,9 +108,14 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             LookupName::Mitchell => Lookup::Mitchell,
         });
     }
-    if options.glossy.is_some() {
+    if options.glossy.is_some() || options.mirrors.is_some() {
         let scene = Arc::make_mut(&mut loaded.scene);
-        scene.plan.glossy = options.glossy;
+        scene.plan.glossy = options.glossy.or(scene.plan.glossy);
+        let mirrors = options.mirrors.map(|name| match name {
+            MirrorsName::Geometry => MirrorMethod::Geometry,
+            MirrorsName::Images => MirrorMethod::Images,
+        });
+        scene.plan.mirrors = mirrors.or(scene.plan.mirrors);
         loaded.plan = Plan::new(scene, &World::new(scene), common.tolerance, common.seed);
     }
     if let Some(settings) = &mut loaded.plan.solve.volume {
@@ -144,6 +162,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "emitters": solution.world.emitters.len(),
         "elements": solution.radiosity.direct.len(),
         "radiosity": report::radiosity(&solution.radiosity),
+        "mirror_images_bytes": solution.mirror_images.as_ref().map(|images| images.bytes()),
         "volume": solution.volume.as_ref().map(|v| report::volume(v)),
         "peak_bytes": peak_bytes(),
         "ev100": display.ev100,

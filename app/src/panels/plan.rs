@@ -5,7 +5,7 @@ use egui::{Align, Button, DragValue, Grid, Layout, Popup, PopupCloseBehavior, Ri
 use lumenscope_core::{
     glossy::GlossyMethod,
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
-    mirror::MirrorSettings,
+    mirror::{IMAGES, MOST_IMAGES, MirrorMethod, MirrorSettings},
     radiosity::{RadiositySettings, lookup::Lookup, surface_map::ElementLayout},
     scene::file::PlanOverrides,
     superposition::plan::{Component, ExpectedError, PlanLine},
@@ -161,14 +161,25 @@ fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, session: 
             );
             choice(ui, "Lookup", LOOKUP, &mut over.lookup, Lookup::ALL.map(|l| (l, l.name())));
         }
-        Component::Mirror => count(
-            ui,
-            "Depth",
-            "Mirrors that light is followed through on its way to the eye; 0 shows none",
-            &mut over.mirror_depth,
-            MirrorSettings::default().depth,
-            0..=16,
-        ),
+        Component::Mirror => {
+            count(
+                ui,
+                "Depth",
+                "Mirrors that light is followed through on its way to the eye; 0 shows none",
+                &mut over.mirror_depth,
+                MirrorSettings::default().depth,
+                0..=16,
+            );
+            choice(ui, "Mirrors from", MIRRORS, &mut over.mirrors, MirrorMethod::ALL.map(|m| (m, m.name())));
+            count(
+                ui,
+                "Images",
+                "Images-with-depth an element that stand for a mirrored view",
+                &mut over.mirror_images,
+                IMAGES,
+                1..=MOST_IMAGES,
+            );
+        }
         Component::Glossy => {
             choice(ui, "Convolution", GLOSSY, &mut over.glossy, GlossyMethod::ALL.map(|m| (m, m.name())));
         }
@@ -210,6 +221,8 @@ const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between
                       Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
 const GLOSSY: &str = "How glossy flat surfaces blur what they mirror: by a kernel of its own for every pixel, by \
                       one a reflector, or not at all. Nothing is solved again";
+const MIRRORS: &str = "What flat mirrors show: the geometry seen from the mirrored eye, or images-with-depth taken \
+                       beforehand, whose price is that of their pixels whatever the scene";
 const BASIS: &str = "What a query reads: 2n² bins, bilinear or the nearest, or nine spherical-harmonic \
                      coefficients E_lm = A_l L_lm. Nothing is traced again";
 const REPAIR: &str = "Mask: neighbours share their weight. Dilate: they take their neighbours' light. \

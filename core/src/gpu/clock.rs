@@ -1,6 +1,7 @@
 //! Where a frame's time goes on the device: a timestamp after each stage.
 
 use super::{device::GpuError, readback};
+use crate::mirror::MOST_VIEWS;
 
 /// A part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,8 +48,8 @@ impl Stage {
     }
 }
 
-/// Timestamps a frame, at most.
-const MOST_MARKS: u32 = 64;
+/// Timestamps a frame, at most: two for each depth of mirrors, one for each stage, and the first.
+const MOST_MARKS: u32 = 2 * MOST_VIEWS as u32 + Stage::ALL.len() as u32 + 1;
 
 /// Timestamps of one frame.
 pub struct StageClock {
@@ -92,16 +93,23 @@ impl StageClock {
     }
 
     /// What was recorded since the last mark is a stage's.
+    ///
+    /// # Panics
+    /// If a frame has more marks than mirrors can be deep.
     pub(crate) fn mark(&mut self, encoder: &mut wgpu::CommandEncoder, stage: Stage) {
-        if self.marks.len() as u32 + 1 < MOST_MARKS {
-            self.marks.push(stage);
-            encoder.write_timestamp(&self.queries, self.marks.len() as u32);
-        }
+        self.marks.push(stage);
+        assert!((self.marks.len() as u32) < MOST_MARKS, "a frame of more than {MOST_MARKS} timestamps");
+        encoder.write_timestamp(&self.queries, self.marks.len() as u32);
     }
 
     /// Ends a frame.
     pub(crate) fn end(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..self.marks.len() as u32 + 1, &self.ticks, 0);
+    }
+
+    /// The stages of the last frame, in their order.
+    pub fn stages(&self) -> &[Stage] {
+        &self.marks
     }
 
     /// Milliseconds of each stage of the last submitted frame, in the order of [`Stage::ALL`]. It waits.

@@ -287,6 +287,16 @@ impl GpuRenderer {
         if self.scene.specular() { drawn } else { 0 }
     }
 
+    /// Whether there are passes for what is polished, with all they need.
+    pub fn has_mirror_passes(&self) -> bool {
+        self.mirror.is_some()
+    }
+
+    /// Bytes of the layers and of what mirrored rays need beside them.
+    pub fn layer_bytes(&self) -> u64 {
+        self.targets.layers.size()
+    }
+
     /// Frames in the running mean.
     pub fn accumulated(&self) -> u32 {
         self.accumulated

@@ -72,6 +72,17 @@ pub const MIRROR_FOLLOW: Program = Program {
     ],
 };
 
+/// Mirrored views from images-with-depth.
+pub const MIRROR_SPLAT: Program = Program {
+    name: "mirror splat",
+    files: &[
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("mirror/views.wgsl"),
+        wgsl!("mirror/work.wgsl"),
+        wgsl!("mirror/splat.wgsl"),
+    ],
+};
+
 /// The glossy layer.
 pub const GLOSSY: Program = Program {
     name: "glossy",
@@ -110,8 +121,8 @@ pub const INSPECTION: Program = Program {
 };
 
 /// Every program.
-pub const ALL: [Program; 7] =
-    [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, GLOSSY, COMPOSITE, INSPECTION];
+pub const ALL: [Program; 8] =
+    [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, MIRROR_SPLAT, GLOSSY, COMPOSITE, INSPECTION];
 
 /// Overridable constants of the programs that shade.
 ///

@@ -89,6 +89,8 @@ pub(crate) enum Binding {
     Written,
     /// An unsigned integer texture.
     Texture,
+    /// A texture of triangle numbers that is written.
+    WrittenTexture,
 }
 
 /// A layout of bindings, numbered as given.
@@ -112,6 +114,11 @@ pub(crate) fn layout(
                     sample_type: wgpu::TextureSampleType::Uint,
                     view_dimension: wgpu::TextureViewDimension::D2,
                     multisampled: false,
+                },
+                Binding::WrittenTexture => wgpu::BindingType::StorageTexture {
+                    access: wgpu::StorageTextureAccess::WriteOnly,
+                    format: super::targets::TRIANGLE_FORMAT,
+                    view_dimension: wgpu::TextureViewDimension::D2,
                 },
             },
             count: None,

@@ -128,7 +128,7 @@ impl Portal {
     }
 
     /// Whether a box may reach inside; false only where it lies outside one plane.
-    fn touches(&self, low: Vec3, high: Vec3) -> bool {
+    pub fn touches(&self, low: Vec3, high: Vec3) -> bool {
         let slack = 1e-5 * (high.abs().max(low.abs()).max_element() + 1.0);
         self.planes.iter().all(|&(normal, offset)| {
             let farthest = Vec3::select(normal.cmpge(Vec3::ZERO), high, low);

@@ -6,9 +6,11 @@
 //! Pipelines and textures are made when a scene first has something polished, and not before.
 
 use super::{
-    MOST_VIEWS, MirrorSettings,
+    MirrorSettings,
     culling::Portal,
-    views::{Eye, MirroredView, Rectangle, mirrored_views},
+    images::gpu::{ImagePasses, Shared},
+    view_table::{ViewInfo, ViewTable},
+    views::{Eye, MirroredView, NEAR, Rectangle, mirrored_views},
     work::{List, RUN, Work},
 };
 use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
@@ -22,68 +24,7 @@ use crate::gpu::{
     targets::{DEPTH_FORMAT, TRIANGLE_FORMAT, Targets, texture},
 };
 use crate::superposition::composite::DirectQuality;
-use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
-
-/// `MirroredView` of `shaders/mirror/views.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct ViewInfo {
-    /// Mirrored eye, m.
-    pub eye: Vec3,
-    /// Reflector.
-    pub reflector: u32,
-    /// Unit direction to the right.
-    pub right: Vec3,
-    /// View it is seen in, counted from 1; 0 is the picture.
-    pub parent: u32,
-    /// Unit direction upwards in the picture.
-    pub up: Vec3,
-    /// Mirrors on the way.
-    pub depth: u32,
-    /// Unit direction through the middle of the picture.
-    pub forward: Vec3,
-    /// Nothing.
-    pub padding: u32,
-    /// Normal of the clip plane.
-    pub clip_normal: Vec3,
-    /// Its offset, m.
-    pub clip_offset: f32,
-}
-
-impl ViewInfo {
-    fn new(view: &MirroredView) -> Self {
-        Self {
-            eye: view.eye.position,
-            reflector: view.reflector,
-            right: view.eye.right,
-            parent: view.parent,
-            up: view.eye.up,
-            depth: view.depth,
-            forward: view.eye.forward,
-            padding: 0,
-            clip_normal: view.clip_normal,
-            clip_offset: view.clip_offset,
-        }
-    }
-}
-
-/// `MirroredViews` of `shaders/mirror/views.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct ViewTable {
-    /// Views there are.
-    pub count: u32,
-    /// Nothing nearer to a reflector than this is seen in it, m.
-    pub near: f32,
-    /// Nothing.
-    pub padding: [u32; 2],
-    /// The views.
-    pub list: [ViewInfo; MOST_VIEWS],
-}
-
-/// Share of the scene's size within which nothing is seen in a reflector.
-const NEAR: f32 = 1e-5;
+use bytemuck::Zeroable;
 
 /// Passes of the mirrored views.
 pub struct MirrorPasses {
@@ -98,14 +39,16 @@ pub struct MirrorPasses {
     /// For scenes as [`SceneTables::is_general`] says: not, and so.
     follow_elements: [wgpu::ComputePipeline; 2],
     reflect_wide: [wgpu::ComputePipeline; 2],
-    sized: Sized,
+    canvas: Canvas,
     /// Passes of what is glossy, made when something first is.
     glossy: Option<GlossyPasses>,
+    /// Passes of images-with-depth, made when mirrors are first shown from them.
+    images: Option<ImagePasses>,
     views_drawn: usize,
 }
 
 /// What depends on the size of the picture.
-struct Sized {
+struct Canvas {
     triangles: wgpu::TextureView,
     depth: wgpu::TextureView,
     raster_group: wgpu::BindGroup,
@@ -158,7 +101,7 @@ impl MirrorPasses {
         let follow_per_pixel = compute("follow_per_pixel");
         let [follow_elements, reflect_wide] = ["follow_elements", "reflect_as_if_dull"]
             .map(|entry| [false, true].map(|general| variant(entry, general)));
-        let sized = Sized::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
+        let canvas = Canvas::new((device, queue), [&raster_layout, &follow_layout], [frame, &views], targets);
         Self {
             views,
             raster_layout,
@@ -170,8 +113,9 @@ impl MirrorPasses {
             follow_elements,
             reflect,
             reflect_wide,
-            sized,
+            canvas,
             glossy: None,
+            images: None,
             views_drawn: 0,
         }
     }
@@ -185,7 +129,7 @@ impl MirrorPasses {
         targets: &Targets,
     ) {
         let layouts = [&self.raster_layout, &self.follow_layout];
-        self.sized = Sized::new((device, queue), layouts, [frame, &self.views], targets);
+        self.canvas = Canvas::new((device, queue), layouts, [frame, &self.views], targets);
         if let Some(glossy) = &mut self.glossy {
             glossy.bind(device, queue, frame, targets);
         }
@@ -210,19 +154,23 @@ impl MirrorPasses {
         let geometry = &solution.world.geometry;
         let [width, height] = targets.size;
         let eye = Eye::new(&settings.camera, width as f32 / height as f32);
-        let depth = MirrorSettings::of(&solution.scene.plan).depth;
-        let views = mirrored_views(geometry, scene.reflectors(), eye, depth);
+        let plan = MirrorSettings::of(&solution.scene.plan);
+        let views = mirrored_views(geometry, scene.reflectors(), eye, plan.depth);
         self.views_drawn = views.len();
+        let runs = plan.images.and_then(|_| {
+            let images = self.images.get_or_insert_with(|| ImagePasses::new(device));
+            images.choose((device, queue), solution, scene, &views, targets.size)
+        });
         let near = NEAR * scene.reflectors().scene_size;
         let mut table = ViewTable { count: views.len() as u32, near, ..ViewTable::zeroed() };
         for (entry, view) in table.list.iter_mut().zip(&views) {
             *entry = ViewInfo::new(view);
         }
         queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&table));
-        self.sized.work.clear(encoder);
+        self.canvas.work.clear(encoder);
         let [width, height] = targets.size;
         let (across, down) = (width.div_ceil(RUN * 8), height.div_ceil(8));
-        let groups = [&scene.group, &self.sized.picture_group];
+        let groups = [&scene.group, &self.canvas.picture_group];
         compute(encoder, &self.begin, groups, |pass| pass.dispatch_workgroups(across, down, 1));
         mark(clock, encoder, Stage::MirroredShading);
         let follow = match settings.direct {
@@ -230,11 +178,14 @@ impl MirrorPasses {
             DirectQuality::Elements => &self.follow_elements[usize::from(scene.is_general())],
         };
         for depth in 1..=views.last().map_or(0, |v| v.depth) {
-            self.record_depth(encoder, scene, targets.size, &views, depth);
+            match runs {
+                Some(runs) if depth == 1 => self.record_images(device, encoder, (frame, targets), runs),
+                _ => self.record_depth(encoder, scene, targets.size, &views, depth),
+            }
             mark(clock, encoder, Stage::MirroredVisibility);
             let list = List::Depth(depth);
-            self.sized.work.clear_list(encoder, List::Depth(depth + 1));
-            let group = &self.sized.mirrored_groups[list.number() as usize];
+            self.canvas.work.clear_list(encoder, List::Depth(depth + 1));
+            let group = &self.canvas.mirrored_groups[list.number() as usize];
             self.work_off(encoder, follow, [&scene.group, group], list);
             mark(clock, encoder, Stage::MirroredShading);
         }
@@ -261,6 +212,28 @@ impl MirrorPasses {
         mark(clock, encoder, Stage::Modulation);
     }
 
+    /// Shows the views of depth 1 from images-with-depth.
+    fn record_images(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        (frame, targets): (&wgpu::Buffer, &Targets),
+        runs: u32,
+    ) {
+        let Some(images) = &self.images else { return };
+        let Canvas { work, triangles, .. } = &self.canvas;
+        let dispatch = work.dispatch(encoder, List::Depth(1));
+        let shared = Shared {
+            frame,
+            layers: &targets.layers,
+            views: &self.views,
+            lists: &work.lists,
+            step: &work.steps[List::Depth(1).number() as usize],
+            triangles,
+        };
+        images.record(device, encoder, &shared, runs, dispatch);
+    }
+
     /// Draws every view of one depth.
     fn record_depth(
         &self,
@@ -281,9 +254,9 @@ impl MirrorPasses {
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mirrored views"),
-            color_attachments: &[Some(clear(&self.sized.triangles))],
+            color_attachments: &[Some(clear(&self.canvas.triangles))],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.sized.depth,
+                view: &self.canvas.depth,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(0.0),
                     store: wgpu::StoreOp::Discard,
@@ -293,7 +266,7 @@ impl MirrorPasses {
             ..Default::default()
         });
         pass.set_bind_group(0, &scene.raster_group, &[]);
-        pass.set_bind_group(1, &self.sized.raster_group, &[]);
+        pass.set_bind_group(1, &self.canvas.raster_group, &[]);
         for (i, view) in views.iter().enumerate().filter(|(_, v)| v.depth == depth) {
             let [x, y, width, height] = pixels(view.rectangle, size);
             pass.set_scissor_rect(x, y, width, height);
@@ -312,7 +285,7 @@ impl MirrorPasses {
         groups: [&wgpu::BindGroup; 2],
         list: List,
     ) {
-        let dispatch = self.sized.work.dispatch(encoder, list);
+        let dispatch = self.canvas.work.dispatch(encoder, list);
         compute(encoder, pipeline, groups, |pass| pass.dispatch_workgroups_indirect(dispatch, 0));
     }
 }
@@ -346,14 +319,14 @@ fn pixels(rectangle: Rectangle, [width, height]: [u32; 2]) -> [u32; 4] {
     [x, y, w, h]
 }
 
-impl Sized {
+impl Canvas {
     fn new(
         (device, queue): (&wgpu::Device, &wgpu::Queue),
         [raster, follow]: [&wgpu::BindGroupLayout; 2],
         [frame, views]: [&wgpu::Buffer; 2],
         targets: &Targets,
     ) -> Self {
-        let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
         let seen = texture(device, "mirrored triangles", targets.size, TRIANGLE_FORMAT, usage);
         let depth =
             texture(device, "mirrored depth", targets.size, DEPTH_FORMAT, wgpu::TextureUsages::empty());

@@ -88,30 +88,35 @@ pub fn reflectance(geometry: &Geometry) -> Option<InspectionScene> {
         ..InspectionScene::default()
     };
     for material in geometry.materials.iter().filter(|m| m.is_specular()).take(MOST_MAPS) {
-        let Some(specular) = lobe(material) else { continue };
-        scene.images.push(NamedImage { name: material.name.clone(), image: map(&specular) });
-        for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
-            scene.curves.push(Curve {
-                name: format!("{}, {name}", material.name),
-                axes: ["across the map, −1 to 1".into(), "reflectance F".into()],
-                points: (0..=128)
-                    .map(|i| {
-                        let x = i as f32 / 64.0 - 1.0;
-                        Vec2::new(x, at_radius(&specular, x.abs())[channel])
-                    })
-                    .collect(),
-                radial: false,
-            });
+        if let Some(specular) = lobe(material) {
+            add_reflectance(&mut scene, &material.name, &specular);
         }
-        scene.notes.push(format!(
-            "{}: {:.3} at normal incidence, {:.3} at 60°, {:.3} at 80°",
-            material.name,
-            specular.reflectance(1.0),
-            specular.reflectance(0.5),
-            specular.reflectance(80f32.to_radians().cos())
-        ));
     }
     (!scene.images.is_empty()).then_some(scene)
+}
+
+/// Puts the map of a lobe into a view, its red, green and blue along the middle, and some of its values in words.
+pub fn add_reflectance(scene: &mut InspectionScene, name: &str, specular: &Specular) {
+    scene.images.push(NamedImage { name: name.to_owned(), image: map(specular) });
+    for (channel, colour) in ["red", "green", "blue"].into_iter().enumerate() {
+        scene.curves.push(Curve {
+            name: format!("{name}, {colour}"),
+            axes: ["across the map, −1 to 1".into(), "reflectance F".into()],
+            points: (0..=128)
+                .map(|i| {
+                    let x = i as f32 / 64.0 - 1.0;
+                    Vec2::new(x, at_radius(specular, x.abs())[channel])
+                })
+                .collect(),
+            radial: false,
+        });
+    }
+    scene.notes.push(format!(
+        "{name}: {:.3} at normal incidence, {:.3} at 60°, {:.3} at 80°",
+        specular.reflectance(1.0),
+        specular.reflectance(0.5),
+        specular.reflectance(80f32.to_radians().cos())
+    ));
 }
 
 /// The lobe of a material without its texture.

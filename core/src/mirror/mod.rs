@@ -9,12 +9,15 @@
 //!
 //! Not rays alone, although on the CPU a mirrored view is a bundle of reflected rays: a raster pass shows
 //! the whole of a mirror at the price of one more picture, on any graphics card, and what has no
-//! reflector in sight pays nothing.
+//! reflector in sight pays nothing. Where the scene is so complex that this price is too high, the plan's
+//! `mirrors: images` shows mirrors from pictures with depth that were taken of it beforehand ([`images`]).
 //!
 //! Limits. Curved polished surfaces and wide lobes seen in mirrors have no mirrored view: they show a map of the
 //! light around them ([`crate::glossy`] makes it), and what has none reflects as if its lobe were as wide as
 //! the hemisphere, as do reflectors beyond the depth of recursion. Lamps without a surface are not seen in
 //! mirrors.
+
+pub use crate::scene::mirrors::MirrorMethod;
 
 use crate::scene::file::PlanOverrides;
 
@@ -25,29 +28,43 @@ pub mod inspect;
 pub mod pass;
 pub mod reflectors;
 pub mod thrown;
+pub mod view_table;
 pub mod views;
 mod work;
 
 /// Mirrored views that one frame shows, at most: the largest first at each depth.
 pub const MOST_VIEWS: usize = 64;
 
+/// Images-with-depth an element that stand for a mirrored view, if the plan does not say: as in Bastos 1999, §6.6.5.
+pub const IMAGES: u32 = 2;
+
+/// The same, at most.
+pub const MOST_IMAGES: u32 = 64;
+
 /// How mirrors are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MirrorSettings {
     /// Mirrors that light is followed through on its way to the eye; 0 shows none.
     pub depth: u32,
+    /// Images-with-depth an element that stand for a mirrored view; `None` where it is made from the geometry.
+    pub images: Option<u32>,
 }
 
 impl Default for MirrorSettings {
-    /// A mirror in a mirror.
+    /// A mirror in a mirror, from the geometry.
     fn default() -> Self {
-        Self { depth: 2 }
+        Self { depth: 2, images: None }
     }
 }
 
 impl MirrorSettings {
     /// Those of a scene: its plan's overrides, or the usual ones.
     pub fn of(plan: &PlanOverrides) -> Self {
-        Self { depth: plan.mirror_depth.unwrap_or(Self::default().depth).min(MOST_VIEWS as u32) }
+        let usual = Self::default();
+        let by_images = plan.mirrors.unwrap_or_default() == MirrorMethod::Images;
+        Self {
+            depth: plan.mirror_depth.unwrap_or(usual.depth).min(MOST_VIEWS as u32),
+            images: by_images.then(|| plan.mirror_images.unwrap_or(IMAGES).clamp(1, MOST_IMAGES)),
+        }
     }
 }

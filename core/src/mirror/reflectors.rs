@@ -1,8 +1,11 @@
 //! Flat reflectors, found from materials: coplanar triangles of one polished material on one object.
+//!
+//! Finely tessellated, a ball is made of facets that are each as good as flat. What tells them from mirrors is how
+//! they are joined: where triangles of other planes share a corner and its normal, the surface is bent.
 
 use crate::scene::geometry::Geometry;
 use glam::{DVec3, Vec3};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Number of no reflector.
 pub const NO_REFLECTOR: u32 = u32::MAX;
@@ -14,8 +17,13 @@ pub const MOST_REFLECTORS: usize = 256;
 /// around it, blurred: roughness 0.2. A narrower one is nearer to its own mirrored view than to so coarse a map.
 pub const BLURRED_ALPHA: f32 = 0.04;
 
-/// Sine of the angle between shading normal and plane up to which a triangle counts as flat.
+/// Sine of the angle between shading normal and plane up to which a triangle counts as flat, if it is not joined
+/// smoothly to one of another plane.
 const FLAT: f32 = 0.01;
+
+/// Sine of the angle between normals that is left to rounding, in files too: a flat piece with rounded edges has
+/// normals as exact as that, a facet of a ball of less than ten million triangles has not.
+const ROUNDING: f32 = 2e-4;
 
 /// A flat piece of a polished material.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,18 +88,13 @@ impl Reflectors {
         let scene_size = (high - low).length();
         let tolerance = 1e-5 * scene_size.max(f32::MIN_POSITIVE);
         let mut planes: BTreeMap<(u32, u32, [i64; 4]), Vec<u32>> = BTreeMap::new();
-        let mut curved = 0;
+        let bent = bent(geometry, low.abs().max(high.abs()).max_element());
+        let curved = bent.len();
         for t in 0..geometry.len() as u32 {
-            if !geometry.material_of(t).is_specular() {
+            if !geometry.material_of(t).is_specular() || bent.contains(&t) {
                 continue;
             }
-            let area_normal = geometry.area_normal(t);
-            let normal = area_normal.normalize_or_zero();
-            let flat = |n: &Vec3| n.cross(normal).length() < FLAT && n.dot(normal) > 0.0;
-            if normal == Vec3::ZERO || !geometry.normals[t as usize].iter().all(flat) {
-                curved += 1;
-                continue;
-            }
+            let normal = geometry.area_normal(t).normalize_or_zero();
             let offset = normal.dot(geometry.positions[t as usize][0]);
             let part = [geometry.object[t as usize], geometry.material[t as usize]];
             let cells = |v: f32, size: f32| (f64::from(v) / f64::from(size)).round() as i64;
@@ -108,7 +111,7 @@ impl Reflectors {
         let mut list: Vec<Reflector> =
             planes.into_iter().map(|((o, m, _), triangles)| reflector(geometry, o, m, triangles)).collect();
         list.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangles[0].cmp(&b.triangles[0])));
-        curved += list.iter().skip(MOST_REFLECTORS).map(|r| r.triangles.len()).sum::<usize>();
+        let curved = curved + list.iter().skip(MOST_REFLECTORS).map(|r| r.triangles.len()).sum::<usize>();
         list.truncate(MOST_REFLECTORS);
         let numbered = list.iter().enumerate();
         let of_triangle =
@@ -125,6 +128,55 @@ impl Reflectors {
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
+}
+
+/// The polished triangles that are part of a bent surface: whose normals turn away from their plane by [`FLAT`], or
+/// by more than rounding where a corner is shared, normal and all, with a triangle of another plane. Coordinates
+/// are at most `farthest`, m.
+fn bent(geometry: &Geometry, farthest: f32) -> HashSet<u32> {
+    let mut bent = HashSet::new();
+    let mut doubtful = Vec::new();
+    // For each corner of the doubtful the first plane's normal there, and whether another one turns away from it.
+    let mut joints: HashMap<(u32, u32, [[u32; 3]; 2]), (Vec3, bool)> = HashMap::new();
+    for t in (0..geometry.len() as u32).filter(|&t| geometry.material_of(t).is_specular()) {
+        let area_normal = geometry.area_normal(t);
+        let normal = area_normal.normalize_or_zero();
+        let normals = &geometry.normals[t as usize];
+        let off = |n: &Vec3| if n.dot(normal) > 0.0 { n.cross(normal).length() } else { f32::INFINITY };
+        let turned = normals.iter().map(off).fold(0.0, f32::max);
+        let corners = &geometry.positions[t as usize];
+        let longest = (0..3).map(|i| corners[i].distance(corners[(i + 1) % 3])).fold(0.0, f32::max);
+        // Rounded corners tilt a triangle by their rounding over its height.
+        let tolerance =
+            ROUNDING.max(4.0 * f32::EPSILON * farthest * longest / area_normal.length()).min(FLAT);
+        if turned <= tolerance {
+            continue;
+        }
+        // A triangle without area is off by infinity.
+        if turned < FLAT {
+            doubtful.push(t);
+        } else {
+            bent.insert(t);
+        }
+        for key in corner_keys(geometry, t) {
+            let joint = joints.entry(key).or_insert((normal, false));
+            joint.1 |= joint.0.cross(normal).length() > tolerance;
+        }
+    }
+    let joined = |t: &u32| corner_keys(geometry, *t).iter().any(|key| joints.get(key).is_some_and(|j| j.1));
+    bent.extend(doubtful.into_iter().filter(joined));
+    bent
+}
+
+/// Object, material, place and normal of a triangle's corners: what smoothly joined triangles share.
+fn corner_keys(geometry: &Geometry, t: u32) -> [(u32, u32, [[u32; 3]; 2]); 3] {
+    let t = t as usize;
+    // Plus zero: −0 is 0.
+    let bits = |v: Vec3| (v + Vec3::ZERO).to_array().map(f32::to_bits);
+    std::array::from_fn(|i| {
+        let place = [bits(geometry.positions[t][i]), bits(geometry.normals[t][i])];
+        (geometry.object[t], geometry.material[t], place)
+    })
 }
 
 fn reflector(geometry: &Geometry, object: u32, material: u32, triangles: Vec<u32>) -> Reflector {

@@ -11,8 +11,8 @@ use super::{
 use crate::scene::{camera::Camera, geometry::Geometry};
 use glam::{Vec2, Vec3};
 
-/// Nothing nearer to an eye is seen, as a share of the scene's size.
-const NEAR: f32 = 1e-5;
+/// Nothing nearer to an eye or to a reflector is seen, as a share of the scene's size.
+pub const NEAR: f32 = 1e-5;
 
 /// An eye and the axes of its picture; mirrored an odd number of times, they are left-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,7 +190,7 @@ fn covered(
 }
 
 /// The part of a convex polygon with n·x ≥ offset.
-fn above(polygon: &[Vec3], normal: Vec3, offset: f32) -> Vec<Vec3> {
+pub(super) fn above(polygon: &[Vec3], normal: Vec3, offset: f32) -> Vec<Vec3> {
     let height = |p: Vec3| normal.dot(p) - offset;
     let mut cut = Vec::with_capacity(polygon.len() + 1);
     for (i, &a) in polygon.iter().enumerate() {

@@ -5,6 +5,7 @@ use super::{
     camera::Camera,
     glossy::GlossyMethod,
     lookup::Lookup,
+    mirrors::MirrorMethod,
     volume::{Basis, Repair},
 };
 use crate::math::moment::Order;
@@ -133,6 +134,10 @@ pub struct PlanOverrides {
     pub direct_samples: Option<u32>,
     /// Mirrors that light is followed through on its way to the eye; 0 shows none.
     pub mirror_depth: Option<u32>,
+    /// Where what flat mirrors show comes from.
+    pub mirrors: Option<MirrorMethod>,
+    /// Images-with-depth an element that stand for a mirrored view.
+    pub mirror_images: Option<u32>,
     /// How the layer `glossy` is made of the mirror image.
     pub glossy: Option<GlossyMethod>,
     /// Whether an irradiance volume is built.
@@ -167,6 +172,7 @@ impl PlanOverrides {
             ("gather_rays", self.gather_rays),
             ("shadow_rays", self.shadow_rays),
             ("direct_samples", self.direct_samples),
+            ("mirror_images", self.mirror_images),
             ("volume_second_level", self.volume_second_level),
             ("volume_bins_n", self.volume_bins_n),
             ("volume_samples", self.volume_samples.map(|s| s[0].min(s[1]).min(s[2]))),

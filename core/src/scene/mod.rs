@@ -20,6 +20,7 @@ pub mod light_sample;
 pub mod lookup;
 pub mod material;
 pub mod mesh;
+pub mod mirrors;
 pub mod volume;
 mod watertight;
 pub mod world;

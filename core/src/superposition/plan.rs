@@ -191,7 +191,7 @@ impl Needs<'_> {
     fn mirror(&self) -> PlanLine {
         let reflectors = Reflectors::new(&self.world.geometry);
         let (flat, curved) = (reflectors.list.len(), reflectors.curved);
-        let depth = MirrorSettings::of(self.over).depth;
+        let MirrorSettings { depth, images } = MirrorSettings::of(self.over);
         let reason = match (flat, curved) {
             (0, 0) => "nothing is polished: no mirrored view".into(),
             (0, _) => "nothing polished is flat: curved things show a map of the light around them".into(),
@@ -199,14 +199,25 @@ impl Needs<'_> {
             _ => format!("{}; {curved} curved triangles show maps", counted(flat, "flat reflector")),
         };
         let used = flat > 0 && depth > 0;
-        let words = if used {
-            format!("{} deep, at most {MOST_VIEWS} views", counted(depth as usize, "mirror"))
-        } else {
-            String::new()
+        let words = match images {
+            _ if !used => String::new(),
+            None => format!("{} deep, at most {MOST_VIEWS} views", counted(depth as usize, "mirror")),
+            Some(images) => format!(
+                "{} deep, the first from {} an element",
+                counted(depth as usize, "mirror"),
+                counted(images as usize, "image-with-depth")
+            ),
         };
-        let (expected_error, error_basis) = match (curved, used) {
-            (0, true) => (ExpectedError::Exact, "the same passes from a mirrored eye, to the depth stated"),
-            (0, false) => (ExpectedError::Exact, "nothing is sampled"),
+        let (expected_error, error_basis) = match (curved, used, images) {
+            (0, false, _) => (ExpectedError::Exact, "nothing is sampled"),
+            (0, true, None) => {
+                (ExpectedError::Exact, "the same passes from a mirrored eye, to the depth stated")
+            }
+            (_, true, Some(_)) => {
+                let basis =
+                    "what no image has seen reflects as if dull, edges are as coarse as the images' pixels";
+                (ExpectedError::Unknown, basis)
+            }
             _ => (ExpectedError::Unknown, "the map of a curved thing is exact in its middle alone"),
         };
         PlanLine {

@@ -20,6 +20,7 @@ use crate::{
         dynamic_object::{Detail, DynamicObject},
     },
     math::progress::{Cancelled, Progress},
+    mirror::{MirrorSettings, images::MirrorImages},
     radiosity::{RadiosityError, RadiositySettings, RadiositySolution},
     scene::{Scene, Target, world::World},
 };
@@ -156,6 +157,7 @@ impl LiveTransport {
             dynamic_objects: Arc::default(),
             guests: Arc::default(),
             environments: Arc::default(),
+            mirror_images: None,
             detail: Detail::Fine,
             gloss: None,
             provenance,
@@ -173,6 +175,12 @@ impl LiveTransport {
         current.radiosity = Arc::new(radiosity);
         current.environments = Arc::new(Environments::new(&current.world, &current.radiosity));
         stage("radiosity", start, &mut current.provenance);
+        if MirrorSettings::of(&scene.plan).images.is_some() {
+            show(&current);
+            let start = Instant::now();
+            current.mirror_images = Some(Arc::new(MirrorImages::automatic(&current.world, progress)?));
+            stage("mirror", start, &mut current.provenance);
+        }
         if let Some(volume) = &settings.volume {
             show(&current);
             progress.begin("irradiance volume");

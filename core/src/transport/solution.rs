@@ -8,6 +8,7 @@ use crate::{
         dynamic_object::{Detail, DynamicObject, Gloss},
         moments::Order,
     },
+    mirror::images::MirrorImages,
     radiosity::RadiositySolution,
     reference::expression::Expression,
     scene::{Scene, lookup::Lookup, world::World},
@@ -33,6 +34,8 @@ pub struct LightTransportSolution {
     pub guests: Arc<Vec<Guest>>,
     /// The light around curved reflectors.
     pub environments: Arc<Environments>,
+    /// What flat reflectors mirror, if the plan shows it from images-with-depth; it holds whatever the light.
+    pub mirror_images: Option<Arc<MirrorImages>>,
     /// How finely the moved objects ask the volume.
     pub detail: Detail,
     /// How the movable objects shine; `None` where they are diffuse.

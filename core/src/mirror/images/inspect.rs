@@ -1,54 +1,60 @@
 //! Where a scene's reflectors are sampled, and what their samples show from its camera.
 
 use super::{
-    pass::{Nearest, diffuse, from_points, reflector_of_pixels},
+    pass::{Frame, Nearest, diffuse},
     reproject::Splat,
-    sample::{ReflectorImages, SampleSettings},
     select::Selection,
+    sets::{MirrorImages, SampleSettings},
 };
 use crate::{
     inspection::{InspectionScene, Label, Line, NamedImage},
-    math::image::LinearImage,
-    mirror::reflectors::{NO_REFLECTOR, Reflectors},
+    math::{image::LinearImage, progress::Progress},
+    mirror::{IMAGES, MirrorSettings, reflectors::Reflectors},
     superposition::{PassSettings, composite::DirectQuality, gbuffer::GBuffer, pass::Shading},
     transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
+use std::borrow::Cow;
 
 /// Size of the picture shown, pixels.
 const SIZE: UVec2 = UVec2::new(320, 200);
-/// Coarse, for a glance; the command line samples as finely as it is told.
+/// Coarse, for a glance, where the plan takes none.
 const SETTINGS: SampleSettings = SampleSettings { element_m: 1.5, poses: 6, radius_m: 1.6, resolution: 64 };
-/// Samples an element that are shown.
-const NEAREST: usize = 2;
 /// Colour of holes.
 pub const HOLE: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 
 /// Centres of projection of the samples behind every reflector that the scene's camera sees, with the
-/// pyramids of the two nearest to the mirrored eye; beside the scene what those two show, holes in magenta.
+/// pyramids of those nearest to the mirrored eye; beside the scene what these show by their points, holes in magenta.
+/// The samples are those that mirrors are shown from, or where the plan has none coarse ones.
 ///
-/// `None` where the camera sees no flat reflector.
+/// `None` where the camera sees no flat reflector, or so much is flat that the samples would not fit.
 pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
     let (world, camera) = (&solution.world, &solution.scene.camera);
     let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
     let shading = Shading::new(solution, &settings);
-    let radiance = diffuse(&shading);
     let reflectors = Reflectors::new(&world.geometry);
     let buffer = GBuffer::new(world, camera, SIZE, Vec2::splat(0.5));
-    let of_pixels = reflector_of_pixels(&reflectors, &buffer, camera.eye);
+    let frame = Frame::new(world, &reflectors, &buffer, camera);
+    if frame.of_pixels.iter().all(|v| *v == 0) {
+        return None;
+    }
+    let held = solution.mirror_images.as_deref().filter(|images| images.hold(&world.geometry));
+    let mut images: Cow<MirrorImages> = match held {
+        Some(images) => Cow::Borrowed(images),
+        None => Cow::Owned(MirrorImages::new(world, &SETTINGS, &Progress::silent()).ok()?),
+    };
+    images.to_mut().recolour(world, &diffuse(&shading));
+    let planned = MirrorSettings::of(&solution.scene.plan).images;
+    let count = planned.unwrap_or(IMAGES) as usize;
     let mut scene = InspectionScene::default();
-    let mut sets = Vec::new();
-    for (number, reflector) in reflectors.list.iter().enumerate() {
-        if !of_pixels.contains(&(number as u32)) {
-            continue;
-        }
-        let set = ReflectorImages::new((world, &radiance), number as u32, reflector, &SETTINGS);
-        let eye = reflector.mirror_point(camera.eye);
-        let nearest = Selection::Angle.nearest(&set, eye, NEAREST);
-        for image in set.images() {
-            let chosen = nearest.iter().any(|n| std::ptr::eq(*n, image));
+    for view in &frame.views {
+        let reflector = &reflectors.list[view.reflector as usize];
+        let Some(set) = images.of(reflector, view.eye.position) else { continue };
+        let nearest = Selection::Angle.nearest(set, view.eye.position, count);
+        for (number, image) in set.images().enumerate() {
+            let chosen = nearest.contains(&number);
             let colour = if chosen { Vec3::new(1.0, 0.35, 0.05) } else { Vec3::new(0.1, 0.5, 0.8) };
-            let tick = 0.02 * SETTINGS.radius_m;
+            let tick = 0.02 * set.settings.radius_m;
             for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
                 let ends = [image.eye - axis * tick, image.eye + axis * tick];
                 scene.lines.push(Line { ends, colour });
@@ -67,27 +73,24 @@ pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
             }
         }
         let name = &world.geometry.materials[reflector.material as usize].name;
-        let count = set.elements.len();
         let text = format!(
-            "{name}: {count} hemispheres of {} images, {:.2} MB",
-            SETTINGS.poses,
+            "{name}: {} hemispheres of {} images of {}×{2}, {:.2} MB",
+            set.elements.len(),
+            set.settings.poses,
+            set.settings.resolution,
             set.bytes() as f64 * 1e-6
         );
         if let Some(image) = set.images().next() {
             scene.labels.push(Label { position: image.middle(), text: text.clone(), strong: false });
         }
         scene.notes.push(text);
-        sets.push(set);
     }
-    if sets.is_empty() {
-        return None;
-    }
-    let points = Nearest { sets: &sets, selection: Selection::Angle, count: NEAREST };
-    let picture = from_points(&points, &reflectors, &of_pixels, (camera, SIZE), Splat::Box);
+    let points = Nearest { images: &images, selection: Selection::Angle, count };
+    let picture = frame.from_points(&points, Splat::Box);
     let brightest = picture.radiance.iter().map(|r| r.max_element()).fold(1e-6, f32::max).min(2000.0);
     let shown = LinearImage::from_fn(SIZE.x, SIZE.y, |x, y| {
         let i = (y * SIZE.x + x) as usize;
-        if of_pixels[i] == NO_REFLECTOR {
+        if frame.of_pixels[i] == 0 {
             Vec3::splat(0.02)
         } else if picture.hole[i] {
             HOLE

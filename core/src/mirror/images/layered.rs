@@ -1,6 +1,6 @@
 //! A layered image: the points of many samples, each surface kept once (Bastos 1999, §6.8).
 
-use super::sample::{ImageWithDepth, Point};
+use super::sample::{ImageWithDepth, NOTHING, Point};
 use glam::Vec3;
 
 /// Share of the distance within which two points in one pixel are the same surface.
@@ -11,7 +11,7 @@ const SAME_SURFACE: f32 = 0.01;
 pub struct LayeredImage {
     /// The points.
     pub points: Vec<Point>,
-    /// Points before they were merged.
+    /// Points on surfaces before they were merged.
     pub merged_from: usize,
     /// Most points in one pixel.
     pub layers: usize,
@@ -27,7 +27,7 @@ impl LayeredImage {
         let Some(view) = images.first() else { return layered };
         let mut pixels: Vec<Vec<(f32, u32)>> = vec![Vec::new(); view.triangle.len()];
         for point in images.iter().flat_map(ImageWithDepth::points) {
-            layered.merged_from += 1;
+            layered.merged_from += usize::from(point.triangle != NOTHING);
             if let Some((pixel, distance)) = seen_from(view, point.position) {
                 let same = |&(d, triangle): &(f32, u32)| {
                     (d - distance).abs() <= SAME_SURFACE * distance || triangle == point.triangle
@@ -43,9 +43,9 @@ impl LayeredImage {
         layered
     }
 
-    /// Bytes of its points: position, sides' scale, colour, id and place.
+    /// Bytes of its points: position, sides' scale, colour and id.
     pub fn bytes(&self) -> usize {
-        self.points.len() * (12 + 4 + 12 + 4 + 8)
+        self.points.len() * (12 + 4 + 12 + 4)
     }
 }
 

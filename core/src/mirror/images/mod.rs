@@ -2,27 +2,33 @@
 //! (Bastos 1999, §6.6).
 //!
 //! A reflector is cut into elements; behind each stands a hemisphere of centres of projection, and from each
-//! of those a picture is taken through the element, with the distance of every pixel ([`sample`]). To show
-//! the reflector, the samples nearest to the mirrored eye are chosen ([`select`]), their pixels put into the
-//! scene as points and seen from the mirrored eye ([`mod@reproject`]). The price is that of the pictures' pixels,
-//! whatever the scene; what no chosen sample has seen stays a hole.
+//! of those a picture is taken through the element, with the distance of every pixel ([`sample`], [`sets`]). To show
+//! the reflector, the samples nearest to the mirrored eye are chosen ([`select`]), what of their pixels may be in
+//! sight ([`visible`]) is put into the scene as points, and seen from the mirrored eye ([`mod@reproject`]). The price
+//! is that of the pictures' pixels, whatever the scene; what no chosen sample has seen stays a hole.
 //!
-//! Pixels keep the triangle they saw and the place on it (images-with-ids, §6.8), so that their colour is
-//! read anew from the radiosity when a lamp changes, and nothing is traced. Points of many samples are many
-//! times the same surface: a layered image ([`layered`]) keeps each once.
+//! Pixels keep the triangle they saw (images-with-ids, §6.8). So pictures read the light of what a point shows from
+//! the radiosity, where the pixel's own ray meets the point's triangle: a lamp that changes costs nothing, textures
+//! stay sharp, and other mirrors are seen in it. Holes reflect as if dull. With the colours kept in the pixels, as the
+//! thesis has them, points are shown by themselves ([`pass`]). Points of many samples are many times the same
+//! surface: a layered image ([`layered`]) keeps each once.
 //!
-//! Limits. Colours must not depend on where one looks from: what is mirrored in the mirror is left out, and
-//! shown are emitted and diffuse light alone. Points are treated as small squares that face their sample, so
-//! surfaces that run away from it are thinner than they should be and show cracks from elsewhere.
+//! Limits. Images stand for views of depth 1, mirrors in them are drawn from the geometry. They hold while nothing
+//! moves: until they are taken anew mirrors are shown from the geometry. Points are treated as small squares that face
+//! their sample, so surfaces that run away from it are thinner than they should be and show cracks from elsewhere.
 
+pub mod gpu;
 pub mod inspect;
 pub mod layered;
 pub mod pass;
 pub mod reproject;
 pub mod sample;
 pub mod select;
+pub mod sets;
+pub mod visible;
 
 pub use layered::LayeredImage;
 pub use reproject::{Reprojected, Splat, reproject};
-pub use sample::{ImageWithDepth, Point, ReflectorImages, SampleSettings};
+pub use sample::{ImageWithDepth, NOTHING, Point};
 pub use select::Selection;
+pub use sets::{ImagesError, MirrorImages, ReflectorImages, SampleSettings};

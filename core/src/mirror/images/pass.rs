@@ -1,24 +1,39 @@
 //! A picture's mirrors shown from images-with-depth, and from the geometry to hold them against.
 
 use super::{
-    reproject::{Splat, reproject},
-    sample::{ImageWithDepth, Point, ReflectorImages},
+    MirrorImages,
+    layered::LayeredImage,
+    reproject::{Reprojected, Splat, reproject},
+    sample::{NOTHING, Point},
     select::Selection,
+    visible::Sight,
 };
 use crate::{
     mirror::{
+        MirrorSettings,
+        culling::Portal,
         reflectors::{NO_REFLECTOR, Reflectors},
-        views::Eye,
+        views::{Eye, MirroredView, mirrored_views},
     },
     scene::{
-        accel::Ray,
+        accel::{Ray, barycentric},
         camera::Camera,
-        geometry::{Surface, offset_origin},
+        geometry::{Geometry, Surface, offset_origin},
+        world::World,
     },
     superposition::{gbuffer::GBuffer, pass::Shading},
+    transport::LightTransportSolution,
 };
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
+
+/// The images that a solution's mirrors are shown from, and how many an element; `None` where they are shown from
+/// the geometry: the plan says so, or something stands elsewhere than when they were taken.
+pub fn in_use(solution: &LightTransportSolution) -> Option<(&MirrorImages, usize)> {
+    let count = MirrorSettings::of(&solution.scene.plan).images?;
+    let images = solution.mirror_images.as_deref().filter(|i| i.hold(&solution.world.geometry))?;
+    Some((images, count as usize))
+}
 
 /// What arrives at the mirrors of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,23 +60,145 @@ pub fn diffuse<'a>(shading: &'a Shading) -> impl Fn(&Surface, Vec3) -> Vec3 + Sy
     move |surface, wo| shading.terms(surface, 0, wo).diffuse()
 }
 
-/// Reflector of each pixel that shows the lit side of one, or [`NO_REFLECTOR`].
-pub fn reflector_of_pixels(reflectors: &Reflectors, buffer: &GBuffer, eye: Vec3) -> Vec<u32> {
-    let seen = buffer.triangle.iter().map(|&t| reflectors.of(t));
-    let faces = |r: u32| reflectors.list[r as usize].facing(eye).is_some();
-    seen.map(|r| if r != NO_REFLECTOR && faces(r) { r } else { NO_REFLECTOR }).collect()
+/// A picture whose mirrors are shown.
+pub struct Frame<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// Its flat reflectors.
+    pub reflectors: &'a Reflectors,
+    /// Their views from the camera, of depth 1.
+    pub views: Vec<MirroredView>,
+    /// View of each pixel, counted from 1; 0 for none.
+    pub of_pixels: Vec<u32>,
+    /// What the pixels see.
+    pub buffer: &'a GBuffer,
+    camera: &'a Camera,
+}
+
+impl<'a> Frame<'a> {
+    /// Finds the mirrors that a picture shows.
+    pub fn new(
+        world: &'a World,
+        reflectors: &'a Reflectors,
+        buffer: &'a GBuffer,
+        camera: &'a Camera,
+    ) -> Self {
+        let eye = Eye::new(camera, buffer.width as f32 / buffer.height as f32);
+        let views = mirrored_views(&world.geometry, reflectors, eye, 1);
+        let view_of = |t: &u32| {
+            let reflector = reflectors.of(*t);
+            let found = views.iter().position(|v| reflector != NO_REFLECTOR && v.reflector == reflector);
+            found.map_or(0, |i| i as u32 + 1)
+        };
+        let of_pixels = buffer.triangle.iter().map(view_of).collect();
+        Self { world, reflectors, views, of_pixels, buffer, camera }
+    }
+
+    fn size(&self) -> UVec2 {
+        UVec2::new(self.buffer.width, self.buffer.height)
+    }
+
+    fn mirrored(&self) -> usize {
+        self.of_pixels.iter().filter(|v| **v != 0).count()
+    }
+
+    /// Shows the mirrors by points.
+    pub fn from_points(&self, points: &impl Points, splat: Splat) -> MirrorPicture {
+        let mut picture = MirrorPicture {
+            radiance: vec![Vec3::ZERO; self.of_pixels.len()],
+            hole: vec![false; self.of_pixels.len()],
+            mirrored: self.mirrored(),
+            points: 0,
+        };
+        for (mask, shown, points) in self.splat(points, splat) {
+            picture.points += points;
+            for i in (0..mask.len()).filter(|&i| mask[i]) {
+                picture.radiance[i] = shown.radiance[i];
+                picture.hole[i] = shown.is_hole(&mask, i);
+            }
+        }
+        picture
+    }
+
+    /// Shows the mirrors by the triangles of the nearest points: their light is read where the pixel's ray meets them.
+    pub fn from_ids(&self, points: &impl Points, shading: &Shading) -> MirrorPicture {
+        let mut picture = self.from_points(points, Splat::Box);
+        for (view, (mask, shown, _)) in self.views.iter().zip(self.splat(points, Splat::Box)) {
+            let light = |i: usize| {
+                let along = self.reflectors.list[view.reflector as usize].mirror_direction(self.direction(i));
+                let surface = surface_by_id(&self.world.geometry, &view.eye, shown.triangle[i], along)?;
+                Some(diffuse(shading)(&surface, -along))
+            };
+            let read: Vec<(usize, Vec3)> = (0..mask.len())
+                .into_par_iter()
+                .filter(|&i| mask[i])
+                .map(|i| (i, light(i).unwrap_or_default()))
+                .collect();
+            read.into_iter().for_each(|(i, radiance)| picture.radiance[i] = radiance);
+        }
+        picture
+    }
+
+    fn splat(&self, points: &impl Points, splat: Splat) -> Vec<(Vec<bool>, Reprojected, usize)> {
+        let margin = Portal::margin(self.size().to_array());
+        (1u32..)
+            .zip(&self.views)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(number, view)| {
+                let mask: Vec<bool> = self.of_pixels.iter().map(|v| *v == number).collect();
+                let sight =
+                    Sight { eye: &view.eye, portal: &Portal::of_view(view, margin), size: self.size() };
+                let points = points.of(self.reflectors, view, &sight);
+                let shown = reproject(&points, &view.eye, (self.size(), Vec2::splat(0.5)), &mask, splat);
+                (mask, shown, points.len())
+            })
+            .collect()
+    }
+
+    fn direction(&self, pixel: usize) -> Vec3 {
+        (self.buffer.position[pixel] - self.camera.eye).normalize_or_zero()
+    }
+
+    /// The same from the geometry: a ray a pixel, what a mirrored view of depth 1 shows.
+    pub fn from_geometry(&self, shading: &Shading) -> MirrorPicture {
+        let radiance: Vec<Vec3> = (0..self.of_pixels.len())
+            .into_par_iter()
+            .map(|pixel| {
+                let Some(view) = self.of_pixels[pixel].checked_sub(1) else { return Vec3::ZERO };
+                let view = &self.views[view as usize];
+                let along =
+                    self.reflectors.list[view.reflector as usize].mirror_direction(self.direction(pixel));
+                let origin = offset_origin(self.buffer.position[pixel], view.clip_normal);
+                let Some(hit) = self.world.accel.trace(&Ray::new(origin, along)) else { return Vec3::ZERO };
+                let surface = self.world.geometry.surface(hit.triangle, hit.barycentric, along);
+                diffuse(shading)(&surface, -along)
+            })
+            .collect();
+        let (mirrored, hole) = (self.mirrored(), vec![false; radiance.len()]);
+        MirrorPicture { hole, mirrored, points: 0, radiance }
+    }
+}
+
+/// The place on a point's triangle that is met along a direction from the mirrored eye; what passes the triangle by,
+/// since the point is wider, counts as meeting its edge. `None` for [`NOTHING`].
+pub fn surface_by_id(geometry: &Geometry, eye: &Eye, triangle: u32, along: Vec3) -> Option<Surface> {
+    (triangle != NOTHING).then(|| {
+        let weights = barycentric(&Ray::new(eye.position, along), geometry.positions[triangle as usize]);
+        geometry.surface(triangle, weights, along)
+    })
 }
 
 /// The points that stand for each reflector's mirrored view.
 pub trait Points: Sync {
-    /// Those of a reflector for a mirrored eye.
-    fn of(&self, reflector: u32, eye: Vec3) -> Vec<Point>;
+    /// Those that a view may show.
+    fn of(&self, reflectors: &Reflectors, view: &MirroredView, sight: &Sight) -> Vec<Point>;
 }
 
 /// The nearest samples of every element.
 pub struct Nearest<'a> {
     /// Samples of the reflectors.
-    pub sets: &'a [ReflectorImages],
+    pub images: &'a MirrorImages,
     /// What makes one near.
     pub selection: Selection,
     /// Samples an element.
@@ -69,88 +206,26 @@ pub struct Nearest<'a> {
 }
 
 impl Points for Nearest<'_> {
-    fn of(&self, reflector: u32, eye: Vec3) -> Vec<Point> {
-        let sets = self.sets.iter().filter(|set| set.reflector == reflector);
-        let chosen = sets.flat_map(|set| self.selection.nearest(set, eye, self.count));
-        chosen.flat_map(ImageWithDepth::points).collect()
+    fn of(&self, reflectors: &Reflectors, view: &MirroredView, sight: &Sight) -> Vec<Point> {
+        let reflector = &reflectors.list[view.reflector as usize];
+        let eye = view.eye.position;
+        let Some(set) = self.images.of(reflector, eye) else { return Vec::new() };
+        let chosen = self.selection.nearest(set, eye, self.count);
+        let of_image = |number: usize| {
+            let image = set.image(number);
+            sight.runs(image).into_iter().flat_map(|run| run.points(image)).collect::<Vec<_>>()
+        };
+        chosen.into_par_iter().flat_map_iter(of_image).collect()
     }
 }
 
-/// One layered image an element.
-pub struct Layered<'a>(pub &'a [(u32, Vec<super::LayeredImage>)]);
+/// One layered image an element, for each reflector by its first triangle.
+pub struct Layered<'a>(pub &'a [(u32, Vec<LayeredImage>)]);
 
 impl Points for Layered<'_> {
-    fn of(&self, reflector: u32, _: Vec3) -> Vec<Point> {
-        let sets = self.0.iter().filter(|(r, _)| *r == reflector);
+    fn of(&self, reflectors: &Reflectors, view: &MirroredView, _: &Sight) -> Vec<Point> {
+        let triangle = reflectors.list[view.reflector as usize].triangles[0];
+        let sets = self.0.iter().filter(|(t, _)| *t == triangle);
         sets.flat_map(|(_, images)| images).flat_map(|image| image.points.iter().copied()).collect()
-    }
-}
-
-/// Shows the mirrors of a picture by points.
-pub fn from_points(
-    points: &impl Points,
-    reflectors: &Reflectors,
-    of_pixels: &[u32],
-    (camera, size): (&Camera, UVec2),
-    splat: Splat,
-) -> MirrorPicture {
-    let eye = Eye::new(camera, size.x as f32 / size.y as f32);
-    let mut picture = MirrorPicture {
-        radiance: vec![Vec3::ZERO; of_pixels.len()],
-        hole: vec![false; of_pixels.len()],
-        mirrored: of_pixels.iter().filter(|r| **r != NO_REFLECTOR).count(),
-        points: 0,
-    };
-    let shown: Vec<(Vec<bool>, super::Reprojected, usize)> = (0..reflectors.list.len() as u32)
-        .into_par_iter()
-        .filter_map(|number| {
-            let mask: Vec<bool> = of_pixels.iter().map(|r| *r == number).collect();
-            if !mask.contains(&true) {
-                return None;
-            }
-            let mirrored = eye.mirrored(&reflectors.list[number as usize]);
-            let points = points.of(number, mirrored.position);
-            let shown = reproject(&points, &mirrored, size, &mask, splat);
-            Some((mask, shown, points.len()))
-        })
-        .collect();
-    for (mask, shown, points) in shown {
-        picture.points += points;
-        for i in (0..mask.len()).filter(|&i| mask[i]) {
-            picture.radiance[i] = shown.radiance[i];
-            picture.hole[i] = shown.is_hole(&mask, i);
-        }
-    }
-    picture
-}
-
-/// The same from the geometry: a ray a pixel, what a mirrored view of depth 1 shows.
-pub fn from_geometry(
-    shading: &Shading,
-    reflectors: &Reflectors,
-    of_pixels: &[u32],
-    buffer: &GBuffer,
-    camera: &Camera,
-) -> MirrorPicture {
-    let world = &shading.solution.world;
-    let radiance: Vec<Vec3> = (0..of_pixels.len())
-        .into_par_iter()
-        .map(|pixel| {
-            let Some(reflector) = reflectors.list.get(of_pixels[pixel] as usize) else { return Vec3::ZERO };
-            let position = buffer.position[pixel];
-            let along = reflector.mirror_direction((position - camera.eye).normalize_or_zero());
-            let normal = reflector.facing(camera.eye).unwrap_or(reflector.normal);
-            let Some(hit) = world.accel.trace(&Ray::new(offset_origin(position, normal), along)) else {
-                return Vec3::ZERO;
-            };
-            let surface = world.geometry.surface(hit.triangle, hit.barycentric, along);
-            diffuse(shading)(&surface, -along)
-        })
-        .collect();
-    MirrorPicture {
-        hole: vec![false; radiance.len()],
-        mirrored: of_pixels.iter().filter(|r| **r != NO_REFLECTOR).count(),
-        points: 0,
-        radiance,
     }
 }

@@ -1,8 +1,9 @@
 //! Points of samples seen from a mirrored eye, and the picture made of them (Bastos 1999, §6.6.3, 6.6.4).
 
-use super::sample::Point;
+use super::sample::{NOTHING, Point};
 use crate::mirror::views::Eye;
 use glam::{UVec2, Vec2, Vec3};
+use rayon::prelude::*;
 
 /// How a point covers pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub struct Reprojected {
     pub radiance: Vec<Vec3>,
     /// Distance along the view's axis of what is shown, m; infinite in holes.
     pub depth: Vec<f32>,
+    /// Triangle of the nearest point, or [`NOTHING`]: in holes too.
+    pub triangle: Vec<u32>,
     /// Pixels of the mask that no point covers.
     pub holes: usize,
     /// Pixels of the mask.
@@ -75,42 +78,57 @@ pub fn footprint(eye: &Eye, size: UVec2, point: &Point) -> Option<(Vec2, Vec2, f
     // A side's change in depth moves its end sideways too.
     let along = |side: Vec3| (on_lens(side) - on_lens(away) * (side.dot(eye.forward) / z)).abs() * pixels;
     let half = (0.5 * (along(point.sides[0]) + along(point.sides[1]))).min(Vec2::splat(WIDEST));
-    let outside = (middle + half).cmplt(Vec2::ZERO).any() || (middle - half).cmpge(size.as_vec2()).any();
+    // A pixel more: pixels may be looked through elsewhere than in their middles.
+    let reach = half + 1.0;
+    let outside = (middle + reach).cmplt(Vec2::ZERO).any() || (middle - reach).cmpge(size.as_vec2()).any();
     (!outside && middle.is_finite()).then_some((middle, half, z))
 }
 
-/// Shows points from a mirrored eye in the pixels of a mask; `size` is the picture's.
+/// Shows points from a mirrored eye in the pixels of a mask; `size` is the picture's, and `subpixel` the place in
+/// the pixels that the eye looks through. Of equally near points the first shows.
+///
+/// [`Splat::Box`] has a twin in `shaders/mirror/splat.wgsl`.
 ///
 /// # Panics
 /// If the mask is not as large as the picture.
-pub fn reproject(points: &[Point], eye: &Eye, size: UVec2, mask: &[bool], splat: Splat) -> Reprojected {
+pub fn reproject(
+    points: &[Point],
+    eye: &Eye,
+    (size, subpixel): (UVec2, Vec2),
+    mask: &[bool],
+    splat: Splat,
+) -> Reprojected {
     assert_eq!(mask.len(), (size.x * size.y) as usize, "a flag a pixel");
     let mut picture = Reprojected {
         radiance: vec![Vec3::ZERO; mask.len()],
         depth: vec![f32::INFINITY; mask.len()],
+        triangle: vec![NOTHING; mask.len()],
         holes: 0,
         masked: mask.iter().filter(|m| **m).count(),
     };
-    let placed: Vec<(Vec2, Vec2, f32, Vec3)> = points
-        .iter()
-        .filter_map(|p| footprint(eye, size, p).map(|(middle, half, z)| (middle, half, z, p.colour)))
+    let placed: Vec<(Vec2, Vec2, f32, &Point)> = points
+        .par_iter()
+        .filter_map(|p| {
+            footprint(eye, size, p).map(|(middle, half, z)| (middle + 0.5 - subpixel, half, z, p))
+        })
         .collect();
-    for &(middle, half, z, colour) in &placed {
+    for &(middle, half, z, point) in &placed {
         let half = if splat == Splat::Pixel { Vec2::ZERO } else { half };
         covered(middle, half, size, |pixel, _| {
             if mask[pixel] && z < picture.depth[pixel] {
-                (picture.depth[pixel], picture.radiance[pixel]) = (z, colour);
+                (picture.depth[pixel], picture.triangle[pixel]) = (z, point.triangle);
+                picture.radiance[pixel] = point.colour;
             }
         });
     }
     if splat == Splat::Gaussian {
         let mut sum = vec![(Vec3::ZERO, 0.0f32); mask.len()];
-        for &(middle, half, z, colour) in &placed {
+        for &(middle, half, z, point) in &placed {
             let sigma = 0.5 * half.max(Vec2::splat(0.5));
             covered(middle, half + GAUSSIAN_REACH, size, |pixel, off| {
                 if z <= picture.depth[pixel] * (1.0 + SAME_SURFACE) && picture.depth[pixel].is_finite() {
                     let weight = (-0.5 * (off / sigma).length_squared()).exp();
-                    sum[pixel].0 += colour * weight;
+                    sum[pixel].0 += point.colour * weight;
                     sum[pixel].1 += weight;
                 }
             });

@@ -1,44 +1,26 @@
-//! Where pictures are taken behind a reflector, and what they hold (Bastos 1999, §6.6.1).
+//! A picture taken from behind a reflector, and the points its pixels are (Bastos 1999, §6.6.1, 6.6.3).
 
-use crate::{
-    mirror::reflectors::Reflector,
-    scene::{
-        accel::Ray,
-        geometry::{Surface, offset_origin},
-        world::World,
-    },
+use super::visible::Quadtree;
+use crate::scene::{
+    accel::{Ray, barycentric},
+    geometry::{Surface, offset_origin},
+    world::World,
 };
-use glam::{Vec2, Vec3};
+use glam::{UVec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::TAU;
 
 /// Radiance that a surface sends towards a direction, cd/m²; it must not depend on the direction.
 pub type Radiance<'a> = dyn Fn(&Surface, Vec3) -> Vec3 + Sync + 'a;
 
-/// How a reflector is sampled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleSettings {
-    /// Longest side of an element, m.
-    pub element_m: f32,
-    /// Centres of projection on each hemisphere.
-    pub poses: u32,
-    /// Radius of the hemispheres, m: about how far from the reflector one stands.
-    pub radius_m: f32,
-    /// Width and height of a picture, pixels.
-    pub resolution: u32,
-}
+/// Triangle of a pixel that sees nothing.
+pub const NOTHING: u32 = u32::MAX;
 
-impl Default for SampleSettings {
-    /// Elements of 1.5 m with twelve pictures of 128 × 128 each: the sizes of Bastos 1999, Table 6.1.
-    fn default() -> Self {
-        Self { element_m: 1.5, poses: 12, radius_m: 1.6, resolution: 128 }
-    }
-}
+/// Sizes of the scene that a point which is nothing lies away: its direction is what matters.
+const FAR: f32 = 1e4;
 
-/// Least cosine between a pose and the normal: below it a picture is all edge.
-const LEAST_COSINE: f32 = 0.2;
-
-/// A picture taken through a reflector element from behind it.
+/// A picture taken through a reflector element from behind it; its pixels are numbered in Z-order.
+///
+/// The centre of projection and the edges of the element take the place of the thesis's inverse matrix (Class 6.10).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageWithDepth {
     /// Centre of projection, m.
@@ -49,16 +31,17 @@ pub struct ImageWithDepth {
     pub edge_u: Vec3,
     /// Second edge, m.
     pub edge_v: Vec3,
-    /// Width and height, pixels.
+    /// Width and height, pixels: a power of two.
     pub resolution: u32,
-    /// Distance from the centre of projection to what each pixel sees, m; infinite where there is nothing.
-    pub depth: Vec<f32>,
-    /// Triangle that each pixel sees.
+    /// Distance of what each pixel sees over that of the element along the same ray; where it sees nothing, that of
+    /// a point very far away.
+    pub scale: Vec<f32>,
+    /// Triangle that each pixel sees, or [`NOTHING`].
     pub triangle: Vec<u32>,
-    /// Barycentric weights of its corners 1 and 2.
-    pub barycentric: Vec<Vec2>,
-    /// Radiance, cd/m² per channel: emitted and diffuse.
+    /// Radiance, cd/m² per channel, emitted and diffuse; empty until it is [read](Self::recolour).
     pub colour: Vec<Vec3>,
+    /// Boxes of its points.
+    pub tree: Quadtree,
 }
 
 /// A pixel of an image-with-depth in the scene: a small parallelogram that faces its sample.
@@ -68,106 +51,101 @@ pub struct Point {
     pub position: Vec3,
     /// Its sides, m.
     pub sides: [Vec3; 2],
-    /// Radiance, cd/m².
+    /// Radiance, cd/m²; black where the sample has no colours.
     pub colour: Vec3,
-    /// Triangle it lies on.
+    /// Triangle it lies on, or [`NOTHING`].
     pub triangle: u32,
-    /// Barycentric weights there.
-    pub barycentric: Vec2,
 }
 
 impl ImageWithDepth {
-    /// Takes the picture.
-    pub fn new(
-        (world, radiance): (&World, &Radiance),
-        eye: Vec3,
-        [corner, edge_u, edge_v]: [Vec3; 3],
-        resolution: u32,
-    ) -> Self {
+    /// Takes the picture, without colours.
+    ///
+    /// # Panics
+    /// If the resolution is not a power of two.
+    pub fn new(world: &World, eye: Vec3, [corner, edge_u, edge_v]: [Vec3; 3], resolution: u32) -> Self {
+        assert!(resolution.is_power_of_two(), "{resolution} pixels across are no power of two");
         let mut image = Self {
             eye,
             corner,
             edge_u,
             edge_v,
             resolution,
-            depth: Vec::new(),
+            scale: Vec::new(),
             triangle: Vec::new(),
-            barycentric: Vec::new(),
             colour: Vec::new(),
+            tree: Quadtree::default(),
         };
         // Away from the eye, off the reflector itself.
         let mut normal = edge_u.cross(edge_v).normalize_or_zero();
         if normal.dot(corner - eye) < 0.0 {
             normal = -normal;
         }
-        let nothing = (f32::INFINITY, u32::MAX, Vec2::ZERO);
-        let seen: Vec<(f32, u32, Vec2)> = (0..resolution * resolution)
+        let (low, high) = world.geometry.bounds();
+        let far = FAR * (high - low).length();
+        let seen: Vec<(f32, u32)> = (0..resolution * resolution)
             .into_par_iter()
             .map(|pixel| {
-                let through = image.through(pixel);
-                let direction = (through - eye).normalize_or_zero();
-                let origin = offset_origin(through, normal);
+                let out = image.out(pixel);
+                let length = out.length();
+                let direction = out / length;
+                let origin = offset_origin(eye + out, normal);
+                let nothing = (far / length, NOTHING);
                 world.accel.trace(&Ray::new(origin, direction)).map_or(nothing, |hit| {
                     let at = world.geometry.surface(hit.triangle, hit.barycentric, direction).position;
-                    ((at - eye).length(), hit.triangle, hit.barycentric)
+                    ((at - eye).length() / length, hit.triangle)
                 })
             })
             .collect();
-        image.depth = seen.iter().map(|s| s.0).collect();
+        image.scale = seen.iter().map(|s| s.0).collect();
         image.triangle = seen.iter().map(|s| s.1).collect();
-        image.barycentric = seen.iter().map(|s| s.2).collect();
-        image.recolour(world, radiance);
+        image.tree = Quadtree::new(&image);
         image
     }
 
-    /// Where the ray through a pixel crosses the element, m.
-    fn through(&self, pixel: u32) -> Vec3 {
-        let [x, y] = [pixel % self.resolution, pixel / self.resolution].map(|i| i as f32 + 0.5);
-        self.corner + (self.edge_u * x + self.edge_v * y) / self.resolution as f32
+    /// From the centre of projection to where the ray through a pixel crosses the element, m.
+    fn out(&self, pixel: u32) -> Vec3 {
+        let at = (place(pixel).as_vec2() + 0.5) / self.resolution as f32;
+        self.corner + self.edge_u * at.x + self.edge_v * at.y - self.eye
     }
 
-    /// Reads every pixel's colour anew where it was seen: by its id, without a ray.
+    /// Reads every pixel's colour anew where it was seen: by its id, without tracing a ray.
     pub fn recolour(&mut self, world: &World, radiance: &Radiance) {
         let geometry = &world.geometry;
         let pixels = 0..self.triangle.len() as u32;
         self.colour = pixels
             .into_par_iter()
             .map(|pixel| {
-                let i = pixel as usize;
-                if self.triangle[i] == u32::MAX {
+                let triangle = self.triangle[pixel as usize];
+                if triangle == NOTHING {
                     return Vec3::ZERO;
                 }
-                let direction = (self.through(pixel) - self.eye).normalize_or_zero();
-                let surface = geometry.surface(self.triangle[i], self.barycentric[i], direction);
-                radiance(&surface, -direction)
+                let direction = self.out(pixel).normalize_or_zero();
+                let corners = geometry.positions[triangle as usize];
+                let weights = barycentric(&Ray::new(self.eye, direction), corners);
+                radiance(&geometry.surface(triangle, weights, direction), -direction)
             })
             .collect();
     }
 
-    /// A pixel as a point in the scene (Program 6.14); `None` where it sees nothing.
+    /// A pixel as a point in the scene (Program 6.14).
     ///
     /// Its sides are those of the pixel on the element, s times as long, s the ratio of the distances from
     /// the centre of projection to the point and to the element.
-    pub fn point(&self, pixel: u32) -> Option<Point> {
+    pub fn point(&self, pixel: u32) -> Point {
         let i = pixel as usize;
-        if !self.depth[i].is_finite() {
-            return None;
-        }
-        let out = self.through(pixel) - self.eye;
-        let scale = self.depth[i] / out.length();
+        let scale = self.scale[i];
         let side = |edge: Vec3| edge * (scale / self.resolution as f32);
-        Some(Point {
-            position: self.eye + out * scale,
+        Point {
+            position: self.eye + self.out(pixel) * scale,
             sides: [side(self.edge_u), side(self.edge_v)],
-            colour: self.colour[i],
+            colour: self.colour.get(i).copied().unwrap_or_default(),
             triangle: self.triangle[i],
-            barycentric: self.barycentric[i],
-        })
+        }
     }
 
     /// All its points.
     pub fn points(&self) -> impl Iterator<Item = Point> + '_ {
-        (0..self.triangle.len() as u32).filter_map(|pixel| self.point(pixel))
+        (0..self.triangle.len() as u32).map(|pixel| self.point(pixel))
     }
 
     /// Middle of its element, m.
@@ -175,103 +153,21 @@ impl ImageWithDepth {
         self.corner + 0.5 * (self.edge_u + self.edge_v)
     }
 
-    /// Bytes of its pixels: depth, id with its place, and colour.
+    /// Bytes of its pixels and their boxes.
     pub fn bytes(&self) -> usize {
-        self.triangle.len() * (4 + 4 + 8 + 12)
+        self.scale.len() * 4 + self.triangle.len() * 4 + self.colour.len() * 12 + self.tree.bytes()
     }
 }
 
-/// The pictures of one reflector, element after element.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReflectorImages {
-    /// Number of the reflector.
-    pub reflector: u32,
-    /// Pictures of each element: the one that looks straight first.
-    pub elements: Vec<Vec<ImageWithDepth>>,
-}
-
-impl ReflectorImages {
-    /// Samples a reflector.
-    pub fn new(
-        (world, radiance): (&World, &Radiance),
-        number: u32,
-        reflector: &Reflector,
-        settings: &SampleSettings,
-    ) -> Self {
-        let geometry = &world.geometry;
-        let (across, up) = axes(reflector.normal);
-        let corners = reflector.triangles.iter().flat_map(|&t| geometry.positions[t as usize]);
-        let places = corners.map(|p| Vec2::new(p.dot(across), p.dot(up)));
-        let empty = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-        let (low, high) = places.fold(empty, |(low, high), p| (low.min(p), high.max(p)));
-        let count = ((high - low) / settings.element_m.max(1e-3)).ceil().max(Vec2::ONE);
-        let size = (high - low) / count;
-        let base = reflector.normal * reflector.offset;
-        let mut elements = Vec::new();
-        for j in 0..count.y as u32 {
-            for i in 0..count.x as u32 {
-                let at = low + size * Vec2::new(i as f32, j as f32);
-                let window = [base + across * at.x + up * at.y, across * size.x, up * size.y];
-                let middle = window[0] + 0.5 * (window[1] + window[2]);
-                let poses = (0..settings.poses).map(|pose| {
-                    let out = pose_direction(pose, settings.poses);
-                    let eye =
-                        middle + settings.radius_m * (across * out.x + up * out.y - reflector.normal * out.z);
-                    ImageWithDepth::new((world, radiance), eye, window, settings.resolution)
-                });
-                elements.push(poses.collect());
-            }
-        }
-        Self { reflector: number, elements }
-    }
-
-    /// Its pictures.
-    pub fn images(&self) -> impl Iterator<Item = &ImageWithDepth> {
-        self.elements.iter().flatten()
-    }
-
-    /// Reads all colours anew from a solution of the same geometry.
-    pub fn recolour(&mut self, world: &World, radiance: &Radiance) {
-        self.elements.iter_mut().flatten().for_each(|image| image.recolour(world, radiance));
-    }
-
-    /// Bytes of its pictures.
-    pub fn bytes(&self) -> usize {
-        self.images().map(ImageWithDepth::bytes).sum()
-    }
-}
-
-/// Unit directions along a plane.
-fn axes(normal: Vec3) -> (Vec3, Vec3) {
-    let along = if normal.y.abs() > 0.9 {
-        (Vec3::X - normal * normal.x).normalize()
-    } else {
-        Vec3::Y.cross(normal).normalize()
+/// Column and row of a pixel by its number in Z-order: even bits and odd ones. Has a twin in
+/// `shaders/mirror/splat.wgsl`.
+pub fn place(pixel: u32) -> UVec2 {
+    let compact = |v: u32| {
+        let v = v & 0x5555_5555;
+        let v = (v | v >> 1) & 0x3333_3333;
+        let v = (v | v >> 2) & 0x0F0F_0F0F;
+        let v = (v | v >> 4) & 0x00FF_00FF;
+        (v | v >> 8) & 0xFFFF
     };
-    (along, normal.cross(along))
-}
-
-/// Directions spread evenly over a hemisphere about +z, the first straight up, none flatter than
-/// [`LEAST_COSINE`].
-fn pose_direction(i: u32, count: u32) -> Vec3 {
-    let z = 1.0 - (1.0 - LEAST_COSINE) * i as f32 / count.max(1) as f32;
-    let (sin, cos) = (0.618_034 * TAU * i as f32).sin_cos();
-    let radius = (1.0 - z * z).max(0.0).sqrt();
-    Vec3::new(radius * cos, radius * sin, z)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::{frame::uniform_direction, random::Rng};
-
-    #[test]
-    fn the_axes_of_a_plane_are_a_frame_however_it_is_tilted() {
-        for i in 0..1000 {
-            let normal = uniform_direction(Rng::new(1, i).next_vec2());
-            let (along, up) = axes(normal);
-            assert!(along.is_normalized() && up.is_normalized(), "{normal}");
-            assert!(along.dot(normal).abs() < 1e-5 && (along.cross(up) - normal).length() < 1e-5, "{normal}");
-        }
-    }
+    UVec2::new(compact(pixel), compact(pixel >> 1))
 }

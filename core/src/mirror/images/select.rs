@@ -1,6 +1,6 @@
 //! Which samples stand for a mirrored view (Bastos 1999, §6.6.2).
 
-use super::sample::{ImageWithDepth, ReflectorImages};
+use super::{sample::ImageWithDepth, sets::ReflectorImages};
 use glam::Vec3;
 
 /// What makes a sample near.
@@ -25,13 +25,15 @@ impl Selection {
         }
     }
 
-    /// The `count` nearest samples of each element, nearest first; equal ones in their order.
-    pub fn nearest(self, images: &ReflectorImages, eye: Vec3, count: usize) -> Vec<&ImageWithDepth> {
+    /// The numbers of the `count` nearest samples of each element, nearest first; equal ones in their order.
+    pub fn nearest(self, images: &ReflectorImages, eye: Vec3, count: usize) -> Vec<usize> {
         let mut chosen = Vec::new();
+        let mut first = 0;
         for element in &images.elements {
-            let mut order: Vec<&ImageWithDepth> = element.iter().collect();
-            order.sort_by(|a, b| self.measure(a, eye).total_cmp(&self.measure(b, eye)));
-            chosen.extend(order.into_iter().take(count));
+            let mut order: Vec<usize> = (0..element.len()).collect();
+            order.sort_by(|&a, &b| self.measure(&element[a], eye).total_cmp(&self.measure(&element[b], eye)));
+            chosen.extend(order.into_iter().take(count).map(|i| first + i));
+            first += element.len();
         }
         chosen
     }

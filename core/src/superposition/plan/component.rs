@@ -56,7 +56,7 @@ impl Component {
                 lookup: None,
                 ..over
             },
-            Self::Mirror => PlanOverrides { mirror_depth: None, ..over },
+            Self::Mirror => PlanOverrides { mirror_depth: None, mirrors: None, mirror_images: None, ..over },
             Self::Glossy => PlanOverrides { glossy: None, ..over },
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,

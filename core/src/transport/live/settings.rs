@@ -5,6 +5,7 @@ use crate::{
     glossy::environment::LOBE_DIRECTIONS,
     irradiance_volume::IrradianceVolume,
     math::progress::Progress,
+    mirror::{MirrorSettings, images::MirrorImages},
     radiosity::{RadiositySettings, RadiositySolution},
     scene::Scene,
     transport::{
@@ -45,6 +46,13 @@ impl LiveTransport {
             let maps = current.environments.relit(&current.world, &current.radiosity, LOBE_DIRECTIONS);
             current.environments = Arc::new(maps);
             stage(&mut current.provenance, "radiosity", start);
+        }
+        if MirrorSettings::of(&scene.plan).images.is_none() {
+            current.mirror_images = None;
+        } else if current.mirror_images.is_none() {
+            let start = Instant::now();
+            current.mirror_images = Some(Arc::new(MirrorImages::automatic(&current.world, progress)?));
+            stage(&mut current.provenance, "mirror", start);
         }
         if !kept || self.settings.volume != settings.volume {
             if !kept {
