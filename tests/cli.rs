@@ -379,9 +379,20 @@ fn a_picture_has_its_mirrors_from_images_where_it_is_asked_to() {
     assert!(none.is_null() && bytes.as_u64().unwrap() > 1_000_000);
     assert_eq!(exact["expected_error"], "exact");
     assert_eq!(unknown["expected_error"], "unknown");
-    let [a, b] = [&geometry, &images].map(|l| l.iter().find(|l| l.0 == "mirror").unwrap().1.mean());
-    println!("{b} for {a}");
-    assert!(a != b && (a - b).abs().max_element() < 0.1 * a.max_element(), "{b} for {a}");
+    let mut same = 0;
+    for ((name, a), (_, b)) in geometry.iter().zip(&images) {
+        if ["emitted", "direct", "indirect"].contains(&name.as_str()) {
+            assert!(a.pixels == b.pixels, "{name}");
+        } else if name == "mirror" {
+            let mirrored = a.pixels.iter().zip(&b.pixels).filter(|(a, _)| **a != Vec3::ZERO);
+            let is_same = |(a, b): &(&Vec3, &Vec3)| (**a - **b).abs().max_element() < 1e-3 * a.max_element();
+            let count = mirrored.clone().count();
+            same = mirrored.filter(is_same).count();
+            // What is not the same are edges, a pixel wide in so small a picture, and what no image has seen.
+            assert!(same < count && 2 * same > count, "{same} of {count} pixels are the same");
+        }
+    }
+    assert!(same > 100);
 }
 
 #[test]

@@ -10,6 +10,7 @@ use lumenscope::{
 };
 use lumenscope_core::{
     irradiance_volume::{Basis, inspect::ColourBy, moments::Order},
+    mirror::MirrorMethod,
     radiosity::lookup::Lookup,
     scene::{Target, file::PlanOverrides},
     superposition::plan::Component,
@@ -183,6 +184,23 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
     window.run(Command::Undo);
     window.run(Command::Undo);
     window.wait_lit();
+
+    // Images of what mirrors show are taken beside the light that there is, and given up again.
+    window.click("mirror: automatic");
+    window.harness.run_steps(2);
+    window.click("fix Mirrors from");
+    window.harness.run_steps(2);
+    window.click("Apply");
+    assert_eq!(window.scene().plan.mirrors, Some(MirrorMethod::Geometry));
+    let images = PlanOverrides { mirrors: Some(MirrorMethod::Images), ..window.scene().plan.clone() };
+    window.run(Command::Plan(images));
+    window.wait_lit();
+    let solution = window.app().session().solution.clone().unwrap();
+    assert!(Arc::ptr_eq(&light, &solution.radiosity) && solution.mirror_images.is_some());
+    window.run(Command::Undo);
+    window.run(Command::Undo);
+    window.wait_lit();
+    assert!(window.app().session().solution.as_ref().unwrap().mirror_images.is_none());
 
     let problem = PlanOverrides { gather_rays: Some(0), ..window.scene().plan.clone() };
     window.run(Command::Plan(problem));

@@ -41,8 +41,8 @@ pub const LEAST_RESOLUTION: u32 = LEAF.isqrt();
 /// Elements of a reflector, about, at most, and images of all of them together: as in Bastos 1999, Table 6.1, a
 /// reflector of few elements has many images each.
 const MOST_ELEMENTS: f32 = 12.0;
-const IMAGES_A_REFLECTOR: u32 = 72;
-const LEAST_POSES: u32 = 6;
+const IMAGES_A_REFLECTOR: u32 = 144;
+const LEAST_POSES: u32 = 12;
 const MOST_POSES: u32 = 24;
 
 /// Width of a pixel on the reflector that is asked for, m.
@@ -339,8 +339,8 @@ fn pose_direction(i: u32, count: u32) -> Vec3 {
     Vec3::new(radius * cos, radius * sin, z)
 }
 
-/// Least cosine between a pose and the normal: below it a picture is all edge.
-const LEAST_COSINE: f32 = 0.2;
+/// Least cosine between a pose and the normal: what is seen at grazing angles has to be seen by a sample too.
+const LEAST_COSINE: f32 = 0.05;
 
 #[cfg(test)]
 mod tests {
@@ -360,10 +360,10 @@ mod tests {
     #[test]
     fn large_reflectors_have_many_elements_and_small_ones_many_images() {
         let floor = SampleSettings::for_extent(Vec2::new(6.0, 4.5));
-        assert_eq!((floor.element_m, floor.poses, floor.resolution), (1.5, 6, 128));
+        assert_eq!((floor.element_m, floor.poses, floor.resolution), (1.5, 12, 128));
         let bench = SampleSettings::for_extent(Vec2::new(0.4, 0.3));
         assert_eq!((bench.poses, bench.resolution), (24, 32));
         let square = SampleSettings::for_extent(Vec2::splat(3000.0));
-        assert!(square.element_m > 800.0 && square.poses == 6);
+        assert!(square.element_m > 800.0 && square.poses == 12);
     }
 }
