@@ -15,6 +15,7 @@ use crate::{
         notice::{self, DropAnswer, Notice},
         status::{self, Badge},
     },
+    pipeline::VolumeSource,
     placement::PLACEMENT,
     session::{Document, Effect, Session},
     session_file::{self, RecentFiles},
@@ -184,6 +185,10 @@ impl LumenscopeApp {
             .is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|m| e.eq_ignore_ascii_case(m)));
         if is_model && self.session.scene.is_some() {
             self.dropped = Some(path.to_path_buf());
+        } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("volume"))
+            && self.session.scene.is_some()
+        {
+            self.run(ctx, Command::CompareWith(VolumeSource::File(path.to_path_buf())));
         } else if LightmapFile::is_one(path) && self.session.scene.is_some() {
             self.dock.show_pane(Pane::Lightmap);
             self.run(ctx, Command::Lightmap(LightmapFile { path: path.to_path_buf(), white: 1.0 }));
@@ -230,17 +235,18 @@ impl LumenscopeApp {
                     let wanted = view.volume.shown || !view.views.is_empty();
                     self.session.inspection = made.filter(|_| wanted);
                 }
-                News::Probe(probe, resolutions) => {
+                News::Probe(probe, resolutions, moments) => {
                     if self.session.document.view.probe.is_some() {
                         self.session.probe = Some(probe);
                         self.session.resolutions = Arc::new(resolutions);
+                        self.session.moments = moments.map(Arc::new);
                         if !self.session.document.view.views.is_empty() {
                             self.carry_out(ctx, Effect::Inspect);
                         }
                     }
                 }
                 News::OtherVolume(volume, source) => {
-                    self.session.keep(volume, source);
+                    self.session.keep(volume, &source);
                     self.carry_out(ctx, Effect::Inspect);
                 }
                 News::Reference(reference, _) => self.session.reference = Some(reference),

@@ -102,6 +102,8 @@ pub enum Dialog {
     Export(Export),
     /// A list of panoramas.
     Panoramas,
+    /// A volume that was saved.
+    Volume,
     /// A lightmap.
     Lightmap,
 }

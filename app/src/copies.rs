@@ -12,7 +12,7 @@ use lumenscope_core::{
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Which volume lights a copy.
+/// One of the volumes at hand: what lights a copy, or is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CopyVolume {
     /// The one of the scene's light as it is.

@@ -1,9 +1,18 @@
 //! The document: the open scene, what the user changed in it, and how it is looked at.
 
-use crate::{copies::Copies, grid_view::SurfacePoint, placement::Placement};
+use crate::{
+    copies::{Copies, CopyVolume},
+    grid_view::SurfacePoint,
+    placement::Placement,
+};
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    irradiance_volume::{dynamic_object::Gloss, inspect::ColourBy, moments::Order},
+    irradiance_volume::{
+        dynamic_object::{Detail, Gloss},
+        ignored::Ignored,
+        inspect::ColourBy,
+        moments::Order,
+    },
     math::part::Part,
     measure::grid_texture::StageSettings,
     scene::{Scene, Target, camera::Camera, file::PlanOverrides},
@@ -76,6 +85,12 @@ pub struct View {
     /// Whether the point is shown at every resolution of the thesis.
     #[serde(default)]
     pub probe_resolutions: bool,
+    /// Whether the moments there are shown.
+    #[serde(default)]
+    pub probe_moments: bool,
+    /// An order shown beside those of the thesis.
+    #[serde(default)]
+    pub probe_order: Option<Order>,
     /// Ids of the inspection views switched on (see `registry`).
     pub views: Vec<String>,
     /// Two copies of something, lit by two volumes.
@@ -84,6 +99,9 @@ pub struct View {
     /// Order of the volume's moment by which movable objects shine; `None` where they are diffuse.
     #[serde(default)]
     pub gloss: Option<Order>,
+    /// How finely moved objects ask the volume; chosen by what time there is where `None`.
+    #[serde(default)]
+    pub detail: Option<Detail>,
     /// The point that was clicked last.
     #[serde(default)]
     pub surface: Option<SurfacePoint>,
@@ -98,6 +116,13 @@ pub struct View {
     pub paths: String,
 }
 
+impl VolumeView {
+    /// What the volume that is compared with leaves out.
+    pub fn left_out(&self) -> Ignored {
+        Ignored { materials: self.ignored_materials.clone(), ..Ignored::of(self.ignored.iter().copied()) }
+    }
+}
+
 impl View {
     /// Whether an inspection view is switched on.
     pub fn shows(&self, id: &str) -> bool {
@@ -110,6 +135,11 @@ impl View {
         if on {
             self.views.push(id.to_owned());
         }
+    }
+
+    /// The moments that are shown of the open spheres: an order beside those of the thesis, and the part.
+    pub fn moments(&self) -> Option<(Option<Order>, Part)> {
+        self.probe_moments.then_some((self.probe_order, self.probe_part))
     }
 
     /// How movable objects shine, seen from the camera.
@@ -133,9 +163,11 @@ pub enum Compare {
 /// What the volume is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Against {
-    /// Itself without the light of some surfaces and lamps.
+    /// The present one without the light of some surfaces and lamps.
     #[default]
     Ignoring,
+    /// The present one as it is.
+    Present,
     /// A volume that was kept, by its number.
     Kept(usize),
 }
@@ -161,6 +193,12 @@ pub struct VolumeView {
     /// Surfaces and lamps whose light the volume it is compared with leaves out.
     #[serde(default)]
     pub ignored: BTreeSet<Target>,
+    /// Materials whose light it leaves out too, by their indices.
+    #[serde(default)]
+    pub ignored_materials: BTreeSet<u32>,
+    /// The volume that is shown and compared.
+    #[serde(default)]
+    pub of: CopyVolume,
     /// What it is compared with.
     #[serde(default)]
     pub against: Against,
@@ -181,6 +219,8 @@ impl Default for VolumeView {
             radiance: false,
             slice: None,
             ignored: BTreeSet::new(),
+            ignored_materials: BTreeSet::new(),
+            of: CopyVolume::Present,
             against: Against::Ignoring,
             colour_by: ColourBy::Light,
             moment: Order::IRRADIANCE,
@@ -203,9 +243,12 @@ impl Default for View {
             probe_bins_n: 17,
             probe_part: Part::All,
             probe_resolutions: false,
+            probe_moments: false,
+            probe_order: None,
             views: Vec::new(),
             copies: None,
             gloss: None,
+            detail: None,
             surface: None,
             stages: StageSettings::default(),
             traced_texture: false,

@@ -16,11 +16,48 @@ pub enum Example {
     Pyramid,
     /// A house with a music room: five mirrors.
     House,
+    /// Four walls of constant radiance.
+    FourWalls,
+    /// A lit and a dark room divided by a thin wall.
+    TwoRooms,
+    /// A tunnel lit from one end.
+    Tunnel,
+    /// A dark box in a lit room.
+    ClosedBox,
+    /// A point lamp over a floor.
+    PointOverFloor,
+    /// A rectangular lamp over a floor.
+    RectangleOverFloor,
+    /// A cube whose walls emit and reflect alike.
+    Furnace,
+}
+
+/// Files of the source tree's scenes, by their paths there, and contents built into the program.
+macro_rules! scene_files {
+    ($($path:literal),+) => {
+        vec![$(($path, include_bytes!(concat!("../../scenes/", $path)).as_slice())),+]
+    };
 }
 
 impl Example {
-    /// Every example, in the order they are offered.
+    /// Examples to look at, in the order they are offered.
     pub const ALL: [Self; 5] = [Self::Office, Self::Cornell, Self::Teapot, Self::Pyramid, Self::House];
+
+    /// Examples whose light is known in closed form, or known to be hard.
+    pub const ANALYTIC: [Self; 7] = [
+        Self::FourWalls,
+        Self::TwoRooms,
+        Self::Tunnel,
+        Self::ClosedBox,
+        Self::PointOverFloor,
+        Self::RectangleOverFloor,
+        Self::Furnace,
+    ];
+
+    /// Every example.
+    pub fn every() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain(Self::ANALYTIC)
+    }
 
     /// Title on buttons.
     pub fn title(self) -> &'static str {
@@ -30,6 +67,13 @@ impl Example {
             Self::Teapot => "Teapot on a glossy table",
             Self::Pyramid => "Copper pyramid",
             Self::House => "House with a music room",
+            Self::FourWalls => "Four constant walls",
+            Self::TwoRooms => "Two rooms, one dark",
+            Self::Tunnel => "Tunnel",
+            Self::ClosedBox => "Closed box",
+            Self::PointOverFloor => "Point lamp over a floor",
+            Self::RectangleOverFloor => "Rectangular lamp over a floor",
+            Self::Furnace => "Furnace",
         }
     }
 
@@ -47,6 +91,15 @@ impl Example {
             Self::House => {
                 "A grand piano among five flat mirrors and 180,000 triangles: mirrored views and what they cost."
             }
+            Self::FourWalls => "Radiance 4, 3, 2 and 1 cd/m²: spheres that can be checked by hand.",
+            Self::TwoRooms => "A wall 2 cm thick between light and dark: where a volume leaks.",
+            Self::Tunnel => "Light dies off along it and is never 0.",
+            Self::ClosedBox => "Samples inside walls, and a place that no light reaches.",
+            Self::PointOverFloor => "E = I cos θ / d²: 100 lx under the lamp.",
+            Self::RectangleOverFloor => "A form factor in closed form: 203.63 lx under the lamp's middle.",
+            Self::Furnace => {
+                "Radiance Le / (1 − ρ) = 1 cd/m² everywhere: light that cannot be seen by contrast."
+            }
         }
     }
 
@@ -58,43 +111,37 @@ impl Example {
             Self::Teapot => "example:teapot",
             Self::Pyramid => "example:pyramid",
             Self::House => "example:house",
+            Self::FourWalls => "example:four_walls",
+            Self::TwoRooms => "example:two_rooms",
+            Self::Tunnel => "example:tunnel",
+            Self::ClosedBox => "example:closed_box",
+            Self::PointOverFloor => "example:point_over_floor",
+            Self::RectangleOverFloor => "example:rectangle_over_floor",
+            Self::Furnace => "example:furnace",
         }
     }
 
-    /// Its files: name, and contents built into the program.
+    /// Its files: path under `scenes/`, and contents; the scene first.
     fn files(self) -> Vec<(&'static str, &'static [u8])> {
         match self {
-            Self::Office => vec![
-                ("office.ron", include_bytes!("../../scenes/office/office.ron")),
-                ("office.glb", include_bytes!("../../scenes/office/office.glb")),
-            ],
-            Self::Cornell => vec![
-                ("cornell.ron", include_bytes!("../../scenes/cornell/cornell.ron")),
-                ("cornell.glb", include_bytes!("../../scenes/cornell/cornell.glb")),
-            ],
-            Self::Teapot => vec![
-                ("teapot.ron", include_bytes!("../../scenes/glossy/teapot.ron")),
-                ("teapot.glb", include_bytes!("../../scenes/glossy/teapot.glb")),
-            ],
-            Self::Pyramid => vec![
-                ("pyramid.ron", include_bytes!("../../scenes/mirror/pyramid.ron")),
-                ("pyramid.glb", include_bytes!("../../scenes/mirror/pyramid.glb")),
-            ],
-            Self::House => vec![
-                ("house.ron", include_bytes!("../../scenes/house/house.ron")),
-                ("music_room.glb", include_bytes!("../../scenes/house/music_room.glb")),
-                ("living_room.glb", include_bytes!("../../scenes/house/living_room.glb")),
-            ],
-        }
-    }
-
-    fn folder(self) -> &'static str {
-        match self {
-            Self::Office => "office",
-            Self::Cornell => "cornell",
-            Self::Teapot => "glossy",
-            Self::Pyramid => "mirror",
-            Self::House => "house",
+            Self::Office => scene_files!["office/office.ron", "office/office.glb"],
+            Self::Cornell => scene_files!["cornell/cornell.ron", "cornell/cornell.glb"],
+            Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
+            Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],
+            Self::House => {
+                scene_files!["house/house.ron", "house/music_room.glb", "house/living_room.glb"]
+            }
+            Self::FourWalls => scene_files!["analytic/four_walls.ron", "analytic/four_walls.glb"],
+            Self::TwoRooms => scene_files!["analytic/two_rooms.ron", "analytic/two_rooms.glb"],
+            Self::Tunnel => scene_files!["analytic/tunnel.ron", "analytic/tunnel.glb"],
+            Self::ClosedBox => scene_files!["analytic/closed_box.ron", "analytic/closed_box.glb"],
+            Self::PointOverFloor => {
+                scene_files!["analytic/point_over_floor.ron", "analytic/point_over_floor.glb"]
+            }
+            Self::RectangleOverFloor => {
+                scene_files!["analytic/rectangle_over_floor.ron", "analytic/rectangle_over_floor.glb"]
+            }
+            Self::Furnace => scene_files!["analytic/furnace_box_0_9.ron", "analytic/furnace_box_0_9.glb"],
         }
     }
 
@@ -105,19 +152,21 @@ impl Example {
     pub fn path(self) -> Result<PathBuf> {
         let files = self.files();
         let scene = files[0].0;
-        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(self.folder()).join(scene);
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(scene);
         if source.exists() {
             return Ok(source);
         }
         let cache = directories::ProjectDirs::from("", "", "lumenscope")
             .map_or_else(|| std::env::temp_dir().join("lumenscope"), |d| d.cache_dir().to_path_buf());
-        let folder = cache.join(concat!("examples-", env!("CARGO_PKG_VERSION"))).join(self.folder());
-        std::fs::create_dir_all(&folder)
-            .with_context(|| format!("{}: the example cannot be unpacked", folder.display()))?;
-        for (name, bytes) in files {
-            lumenscope_core::io::write_file(&folder.join(name), bytes)?;
+        let root = cache.join(concat!("examples-", env!("CARGO_PKG_VERSION")));
+        for (path, bytes) in files {
+            let path = root.join(path);
+            let folder = path.parent().unwrap_or(&root);
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("{}: the example cannot be unpacked", folder.display()))?;
+            lumenscope_core::io::write_file(&path, bytes)?;
         }
-        Ok(folder.join(scene))
+        Ok(root.join(scene))
     }
 }
 
@@ -142,7 +191,7 @@ pub fn cornell() -> Result<PathBuf> {
 /// # Errors
 /// With the file's name, if an example cannot be unpacked.
 pub fn resolve(scene: &Path) -> Result<PathBuf> {
-    match Example::ALL.into_iter().find(|e| Path::new(e.key()) == scene) {
+    match Example::every().find(|e| Path::new(e.key()) == scene) {
         Some(example) => example.path(),
         None => Ok(scene.to_path_buf()),
     }

@@ -1,10 +1,11 @@
 //! What can be written to a file, and how: pictures, layers, spheres and panoramas.
 
-use crate::{panoramas, wall::WallSettings, widgets::Probe};
+use crate::{wall::WallSettings, widgets::Probe};
 use anyhow::{Context as _, Result};
 use glam::Vec3;
 use lumenscope_core::{
-    io::{exr, png, probe::write_probe},
+    io::{exr, panorama as files, png, probe::write_probe},
+    irradiance_volume::moments::{Order, beside_irradiance},
     math::progress::Progress,
     scene::camera::Camera,
     superposition::{
@@ -86,6 +87,8 @@ pub struct ExportRequest {
     pub shadow_rays: u32,
     /// The open spheres.
     pub probe: Option<Arc<Probe>>,
+    /// Orders of the moments that are shown of them.
+    pub orders: Vec<Order>,
     /// Where they are, m; they may be on their way.
     pub at: Option<Vec3>,
 }
@@ -108,12 +111,12 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
     match request.what {
         Export::Spheres => {
             let probe = request.probe.as_deref().context(NO_SPHERES)?;
-            Ok(write_probe(&request.path, probe, true)?)
+            Ok(write_probe(&request.path, probe, &beside_irradiance(&request.orders), true)?)
         }
         Export::Panorama => {
             let at = request.at.context(NO_SPHERES)?;
             let image = panorama(solution, at, PANORAMA.0, PANORAMA.1, progress)?;
-            panoramas::write(&request.path, &image, at)
+            Ok(files::write(&request.path, &image, at)?)
         }
         Export::Picture => write_png(request, &layers(request, progress)?),
         Export::Wall => {

@@ -1,7 +1,7 @@
 //! The texture of the surface that was clicked, stage by stage: what is asked for, and the work behind it.
 
 use anyhow::Result;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{image::LinearImage, progress::Progress},
     measure::grid_texture::{GridReference, GridTexture, Stage, StageError, StageSettings},
@@ -22,6 +22,17 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// Where it is, m, and the normal of the side it is on; `None` where the scene has no such triangle.
+    pub fn place(&self, solution: &LightTransportSolution) -> Option<(Vec3, Vec3)> {
+        let geometry = &solution.world.geometry;
+        if self.triangle as usize >= geometry.len() || !self.barycentric.is_finite() {
+            return None;
+        }
+        let into = geometry.area_normal(self.triangle) * if self.back { 1.0 } else { -1.0 };
+        let surface = geometry.surface(self.triangle, self.barycentric, into);
+        Some((surface.position, surface.normal))
+    }
+
     /// The element nearest to it; `None` where the scene has no such triangle, or nothing is solved there.
     pub fn element(&self, solution: &LightTransportSolution) -> Option<u32> {
         let radiosity = &solution.radiosity;

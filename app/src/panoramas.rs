@@ -1,12 +1,8 @@
-//! Panoramas as files: one taken at a point, and lists of them that a volume is made of.
+//! Lists of panoramas that a volume is made of.
 
 use anyhow::{Context as _, Result};
 use glam::Vec3;
-use lumenscope_core::{
-    io::{exr, panorama as files},
-    irradiance_volume::panorama::PanoramaNode,
-    math::image::LinearImage,
-};
+use lumenscope_core::{io::panorama as files, irradiance_volume::panorama::PanoramaNode};
 use std::path::{Path, PathBuf};
 
 /// One line of the list of nodes.
@@ -14,15 +10,6 @@ use std::path::{Path, PathBuf};
 struct NodeLine {
     position: Vec3,
     file: PathBuf,
-}
-
-/// Writes a panorama taken at a point, in m, as OpenEXR.
-///
-/// # Errors
-/// With the file's name, if it cannot be written.
-pub fn write(path: &Path, image: &LinearImage, at: Vec3) -> Result<()> {
-    let note = format!("latitude-longitude panorama at {at} m, radiance in cd/m2");
-    Ok(exr::write_layers(path, &[("", image)], &note)?)
 }
 
 /// Reads a list of nodes and the panoramas that it names, which lie beside it.

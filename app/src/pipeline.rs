@@ -1,21 +1,23 @@
 //! What the worker does with a scene: read it, solve it, picture it. No thread and no window here.
 
 use crate::{
+    copies::CopyVolume,
     document::Document,
     examples, panoramas,
     placement::Placement,
     session::{Against, Reference},
     session_file,
-    widgets::{Probe, resolutions::ROWS},
+    widgets::{Probe, moments::Spheres, resolutions::ROWS},
     worker::{InspectRequest, ProbeRequest, ReferenceRequest},
 };
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use lumenscope_core::{
     inspection::{InspectionScene, SphereGlyph},
     irradiance_volume::{
         IrradianceVolume, VolumeSettings,
         ignored::Ignored,
         inspect as volume_inspect,
+        moments::Order,
         placement::{self, MeasureSettings, Measurement},
         probe::Quantity,
     },
@@ -113,7 +115,7 @@ pub fn can_follow(solved: &Scene, scene: &Scene) -> bool {
 }
 
 /// Light at one point in the air, for every direction; and, where asked for, at every resolution of
-/// the thesis, coarsest first.
+/// the thesis, coarsest first, and as moments.
 ///
 /// # Errors
 /// If a setting is out of range or the work was cancelled.
@@ -121,9 +123,9 @@ pub fn probe(
     solution: &LightTransportSolution,
     request: &ProbeRequest,
     progress: &Progress,
-) -> Result<(Probe, Vec<Probe>)> {
+) -> Result<(Probe, Vec<Probe>, Option<Spheres>)> {
     progress.begin("spheres");
-    let ProbeRequest { position, n, resolutions } = *request;
+    let ProbeRequest { position, n, resolutions, moments } = *request;
     let at = |n| Probe::at(&solution.world, &*solution.radiosity, position, n, SUPERSAMPLE, SEED);
     progress.report(0.0)?;
     let probe = at(n)?;
@@ -132,7 +134,15 @@ pub fn probe(
         progress.report(others.len() as f32 / ROWS.len() as f32)?;
         others.push(at(rows)?);
     }
-    Ok((probe, others))
+    let moments = moments.map(|(besides, part)| -> Result<Spheres> {
+        let mut spheres = Spheres { part, of: Vec::new() };
+        for order in Spheres::orders(besides) {
+            progress.report(spheres.of.len() as f32 / Order::THESIS.len() as f32)?;
+            spheres.of.push((order, probe.moment(order, part)));
+        }
+        Ok(spheres)
+    });
+    Ok((probe, others, moments.transpose()?))
 }
 
 /// Illuminance where a placement says; with the settings for moving things until the light is settled.
@@ -168,9 +178,18 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
         }),
     };
     let against = compared(request);
+    let kept = match request.volume.of {
+        CopyVolume::Kept(number) => request.kept.get(number),
+        CopyVolume::Present => None,
+    };
+    let of_kept = kept.map(|kept| LightTransportSolution {
+        volume: Some(Arc::clone(&kept.volume)),
+        ..(*request.solution).clone()
+    });
     let input = ViewInput {
-        solution: &request.solution,
+        solution: of_kept.as_ref().unwrap_or(&request.solution),
         probe: request.probe.as_deref(),
+        point: request.surface.and_then(|s| s.place(&request.solution)),
         element: request.surface.and_then(|s| s.element(&request.solution)),
         volume: &volume,
         against: against.as_deref(),
@@ -183,7 +202,7 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
     ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
 }
 
-/// The volume that the present one is compared with; `None` where no view compares or nothing is chosen.
+/// The volume that the one shown is compared with; `None` where no view compares or nothing is chosen.
 fn compared(request: &InspectRequest) -> Option<Arc<IrradianceVolume>> {
     let shown = &request.volume;
     let by_error = shown.shown && shown.colour_by == volume_inspect::ColourBy::Error;
@@ -192,10 +211,11 @@ fn compared(request: &InspectRequest) -> Option<Arc<IrradianceVolume>> {
     }
     match request.volume.against {
         Against::Kept(number) => Some(Arc::clone(&request.kept.get(number)?.volume)),
+        Against::Present => request.solution.volume.clone(),
         Against::Ignoring => {
             let solution = &request.solution;
-            let ignored = Ignored::of(request.volume.ignored.iter().copied());
             let volume = solution.volume.as_ref()?;
+            let ignored = request.volume.left_out();
             Some(Arc::new(volume.ignoring(&solution.world, &*solution.radiosity, ignored)?))
         }
     }
@@ -211,6 +231,10 @@ pub enum VolumeSource {
     Reference,
     /// Panoramas, by the file that lists them.
     Panoramas(PathBuf),
+    /// The present volume without the light of some surfaces and lamps, and their names.
+    Ignoring(Ignored, String),
+    /// A file that a volume was saved to.
+    File(PathBuf),
 }
 
 impl VolumeSource {
@@ -219,14 +243,18 @@ impl VolumeSource {
         match self {
             Self::Reference => "Path tracing a volume",
             Self::Panoramas(_) => "Reading panoramas",
+            Self::Ignoring(..) => "Leaving light out",
+            Self::File(_) => "Reading a volume",
         }
     }
 
     /// Where its light comes from.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> String {
         match self {
-            Self::Reference => "reference",
-            Self::Panoramas(_) => "panoramas",
+            Self::Reference => "reference".into(),
+            Self::Panoramas(_) => "panoramas".into(),
+            Self::Ignoring(_, names) => format!("without {names}"),
+            Self::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         }
     }
 }
@@ -242,6 +270,11 @@ pub fn other_volume(
 ) -> Result<IrradianceVolume> {
     let Some(volume) = &solution.volume else { bail!("there is no volume to compare with yet") };
     match source {
+        VolumeSource::File(path) => Ok(IrradianceVolume::load(path)?),
+        VolumeSource::Ignoring(ignored, _) => {
+            let without = volume.ignoring(&solution.world, &*solution.radiosity, ignored.clone());
+            without.context("the present volume came from a file: what its rays met is not known")
+        }
         VolumeSource::Reference => Ok(volume.of_reference(&solution.world, VOLUME_PATHS, progress)?),
         VolumeSource::Panoramas(list) => {
             progress.begin("reading panoramas");

@@ -18,7 +18,7 @@ use crate::{
     light_paths::{LightPaths, is_dull},
     lightmaps::{JudgedLightmap, LightmapFile},
     pipeline::VolumeSource,
-    widgets::Probe,
+    widgets::{Probe, moments::Spheres},
 };
 use lumenscope_core::{
     inspection::InspectionScene,
@@ -53,6 +53,8 @@ pub struct Session {
     pub probe: Option<Arc<Probe>>,
     /// The same point at every resolution of the thesis, coarsest first; empty unless asked for.
     pub resolutions: Arc<Vec<Probe>>,
+    /// The moments there; `None` unless asked for.
+    pub moments: Option<Arc<Spheres>>,
     /// The texture of the surface that was clicked; `None` where that has none.
     pub texture: Option<Arc<GridView>>,
     /// Whether that of a surface clicked since is still to come.
@@ -342,6 +344,9 @@ impl Session {
                     Against::Kept(n) => renumbered(n, number).map_or(Against::Ignoring, Against::Kept),
                     other => other,
                 };
+                if let CopyVolume::Kept(n) = view.volume.of {
+                    view.volume.of = renumbered(n, number).map_or(CopyVolume::Present, CopyVolume::Kept);
+                }
                 let mut effects = vec![Effect::Inspect];
                 for light in view.copies.iter_mut().flat_map(|c| &mut c.lights) {
                     if let CopyVolume::Kept(n) = light.volume {
@@ -369,7 +374,7 @@ impl Session {
         self.kept_so_far += 1;
         let (samples, bins) = (volume.samples().len(), volume.bins().len());
         let name = format!("{}: {source}, {samples} × {bins}", self.kept_so_far);
-        self.kept.push(Kept { name, volume });
+        self.kept.push(Kept { name, volume: Arc::new(volume.detached()) });
         self.document.view.volume.against = Against::Kept(self.kept.len() - 1);
     }
 
@@ -445,7 +450,8 @@ impl Session {
         let old = std::mem::replace(&mut self.document.view, view);
         let view = &self.document.view;
         let mut effects = Vec::new();
-        let finer = view.probe_resolutions && !old.probe_resolutions;
+        let finer = (view.probe_resolutions && !old.probe_resolutions)
+            || (view.moments() != old.moments() && view.moments().is_some());
         if view.probe != old.probe || view.probe_bins_n != old.probe_bins_n || finer {
             if view.probe.is_none() {
                 self.probe = None;

@@ -14,7 +14,7 @@ use crate::{
     pipeline::{Loaded, Source, VolumeSource},
     placement::Placement,
     session::{Kept, Reference, VolumeView},
-    widgets::Probe,
+    widgets::{Probe, moments::Spheres},
 };
 use bench::Bench;
 use glam::Vec3;
@@ -22,9 +22,10 @@ use lumenscope_core::{
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
+        moments::Order,
         placement::{Measurement, requirement::Requirement},
     },
-    math::progress::Progress,
+    math::{part::Part, progress::Progress},
     reference::expression::Expression,
     scene::{Scene, camera::Camera},
     superposition::plan::Plan,
@@ -46,8 +47,8 @@ pub enum News {
     Solution(Arc<LightTransportSolution>),
     /// What the scene needs was planned.
     Plan(Arc<Plan>),
-    /// A probe was sampled, and the same point at other resolutions where those are shown.
-    Probe(Arc<Probe>, Vec<Probe>),
+    /// A probe was sampled, and the same point at other resolutions and as moments where those are shown.
+    Probe(Arc<Probe>, Vec<Probe>, Option<Spheres>),
     /// The texture of the surface that was clicked was made, or better compared; `None` where it has none.
     Texture(Option<Arc<GridView>>),
     /// A lightmap was held against our light.
@@ -57,7 +58,7 @@ pub enum News {
     /// What the views show was made.
     Inspection(Option<Arc<InspectionScene>>),
     /// A volume was made to compare with, and where its light comes from.
-    OtherVolume(Arc<IrradianceVolume>, &'static str),
+    OtherVolume(Arc<IrradianceVolume>, String),
     /// The reference of the request with this number has more samples.
     Reference(Reference, u64),
     /// A file was written.
@@ -77,6 +78,8 @@ pub struct ProbeRequest {
     pub n: u32,
     /// Whether every resolution of the thesis is wanted too.
     pub resolutions: bool,
+    /// Whether its moments are: an order beside those of the thesis, and the part of the light.
+    pub moments: Option<(Option<Order>, Part)>,
 }
 
 /// Views whose contents are wanted.

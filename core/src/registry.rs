@@ -7,10 +7,11 @@ use crate::{
         IrradianceVolume,
         difference::Difference,
         inspect::{self as volume, VolumeView},
+        inspect_sampling as sampling, lighting,
         lobe::lobe_scene,
         placement::{self, Measurement, requirement::Requirement},
         probe::{Probe, Quantity},
-        slice,
+        self_occlusion, slice,
     },
     math::part::Part,
     mirror::{
@@ -24,6 +25,7 @@ use crate::{
     },
     transport::LightTransportSolution,
 };
+use glam::Vec3;
 
 /// One inspection view.
 pub struct ViewRow {
@@ -45,6 +47,8 @@ pub struct ViewInput<'a> {
     pub solution: &'a LightTransportSolution,
     /// The probe that is open.
     pub probe: Option<&'a Probe>,
+    /// The point of a surface that was clicked, m, and its normal.
+    pub point: Option<(Vec3, Vec3)>,
     /// The element that was clicked.
     pub element: Option<u32>,
     /// How the volume is shown.
@@ -59,6 +63,9 @@ pub struct ViewInput<'a> {
 
 /// Radius of an open probe's spheres, as a share of the scene's diagonal.
 const PROBE_RADIUS: f32 = 0.02;
+
+/// How far off a clicked surface a sample's rays start, m.
+const PROBE_OFF_M: f32 = 0.02;
 
 /// Farthest a probe's lobe reaches, as a share of the scene's diagonal.
 const LOBE_REACH: f32 = 0.05;
@@ -121,6 +128,51 @@ pub const VIEWS: &[ViewRow] = &[
             let difference =
                 Difference::new(input.solution.volume.as_ref()?, input.against?, input.volume.part);
             Some(slice::difference_slice(&difference, input.volume))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.lighting",
+        systems: &["G5", "G6"],
+        title: "Samples that light a point",
+        tooltip: "The cell of the irradiance volume that holds the clicked point, and its samples with their shares: E(n) = Σ w E_sample(n), w trilinear and without samples in solids or behind walls. A sphere's volume goes with its share; grey lines lead to samples that are left out.",
+        build: |input| {
+            let (volume, (position, normal)) = (input.solution.volume.as_ref()?, input.point?);
+            let part = input.volume.part;
+            Some(lighting::scene(volume, &volume.lighting(position, normal, part), part))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.rays",
+        systems: &["G1", "G14"],
+        title: "Rays of a sample",
+        tooltip: "The rays that a sample of the irradiance volume sends, from the open spheres or else the clicked point: one through the middle of each of 2n² equal-area bins (at most n = 9 is drawn), followed through mirrors until the cut-off, and in orange those aimed at elements brighter than twice the mean.",
+        build: |input| {
+            let s = input.solution;
+            let settings = s.volume.as_ref()?.settings();
+            let at = input.probe.map(|p| p.position).or(input.point.map(|(p, n)| p + PROBE_OFF_M * n))?;
+            Some(sampling::rays(&s.world, &*s.radiosity, settings, at))
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.cell_errors",
+        systems: &["G14"],
+        title: "Error of interpolation by cell",
+        tooltip: "A cube in each first-level cell of the irradiance volume, coloured by how wrong trilinear interpolation is at its centre and the centres of its faces: the mean over directions of |E − E_exact| / max(E_exact, 5 % of the mean), %. Refining by tolerance divides the worst.",
+        build: |input| {
+            let s = input.solution;
+            let settings = s.volume.as_ref()?.settings();
+            sampling::cell_error_scene(&s.world, &*s.radiosity, settings).ok()
+        },
+    },
+    ViewRow {
+        id: "irradiance_volume.self_occlusion",
+        systems: &["G15"],
+        title: "Self-occlusion of movable objects",
+        tooltip: "How much of the cosine-weighted hemisphere over each node a movable object leaves open to its surroundings, V = ∫ visible cos θ dω / π in %: its indirect light from the volume is V E.",
+        build: |input| {
+            let s = input.solution;
+            (!s.dynamic_objects.is_empty())
+                .then(|| self_occlusion::scene(&s.dynamic_objects, &s.world.geometry))
         },
     },
     ViewRow {

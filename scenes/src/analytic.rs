@@ -36,6 +36,7 @@ pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     let floor = one("Floor", floor(), Material::new("Floor", [0.5; 3]));
     add("point_over_floor", &floor, ron("point_over_floor", POINT_NOTE, POINT, (0.0, 2.0, 4.0), 0.9));
     add("rectangle_over_floor", &floor, ron("rectangle_over_floor", AREA_NOTE, AREA, (0.0, 2.0, 4.0), 0.9));
+    add("four_walls", &four_walls(), FOUR_WALLS.to_owned());
     add("bright_wall_x", &bright_wall(), ron("bright_wall_x", BRIGHT_NOTE, "", (-0.45, 0.5, 0.0), 1.2));
     files
 }
@@ -100,6 +101,24 @@ const BRIGHT_NOTE: &str = "\
 A unit room whose wall at +x emits 1 cd/m2; nothing reflects. At the centre it fills a sixth of the sphere:
 // radiance 1 towards any point of the wall, 0 elsewhere. A receiver facing +x there gets
 // E = 4 a/sqrt(a^2+h^2) atan(a/sqrt(a^2+h^2)) with a = h = 0.5, that is 1.7408 lx; one facing -x gets 0.";
+
+const FOUR_WALLS: &str = "\
+// A room of 2 m between four walls of constant radiance, as in Fig. 3.1 of Greger 1996: 4 cd/m2 on the left
+// (-x), 3 at the back (-z), 2 on the right, 1 at the front; floor and ceiling are black, nothing reflects. At
+// the centre a wall fills a side of a cube: a plane facing it sees 4 a/sqrt(a^2+h^2) atan(a/sqrt(a^2+h^2)) =
+// 1.7408 sr of it weighted by the cosine, one at a right angle to it (pi - 1.7408)/4 = 0.3502 sr. So facing
+// left E = 4 x 1.7408 + (3 + 1) x 0.3502 = 8.364 lx, right 4.882, back 7.324, front 3.842, up 3.502 lx.
+(
+    models: [(file: \"four_walls.glb\")],
+    camera: Some((
+        eye: (0.7, 0.1, 0.9),
+        target: (-0.6, 0.0, -1.0),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 1.4,
+    )),
+    plan: (volume: Some(true)),
+)
+";
 
 fn ron(name: &str, comment: &str, lamps: &str, eye: (f64, f64, f64), fov: f64) -> String {
     // Area lamps stand in another list of the schema.
@@ -180,5 +199,22 @@ fn bright_wall() -> Model {
     walls.triangles = all.iter().copied().filter(|t| !at_x(&lit, t)).collect();
     model.stand("Black walls", Parts::of(black, walls.compact()));
     model.stand("Bright wall", Parts::of(bright, lit.compact()));
+    model
+}
+
+/// Four emitting walls, a black floor and a black ceiling, seen from inside.
+fn four_walls() -> Model {
+    let mut model = Model::default();
+    let mut wall = |name: &'static str, radiance: f64, corners: [[f64; 3]; 4]| {
+        let material = model.material(Material::new(name, [0.0; 3]).emitting([radiance; 3]));
+        model.stand(name, Parts::of(material, plain(corners.map(|[x, y, z]| v(x, y, z)))));
+    };
+    let (l, h) = (-1.0, 1.0);
+    wall("Left, 4 cd/m2", 4.0, [[l, l, h], [l, l, l], [l, h, l], [l, h, h]]);
+    wall("Right, 2 cd/m2", 2.0, [[h, l, l], [h, l, h], [h, h, h], [h, h, l]]);
+    wall("Back, 3 cd/m2", 3.0, [[l, l, l], [h, l, l], [h, h, l], [l, h, l]]);
+    wall("Front, 1 cd/m2", 1.0, [[h, l, h], [l, l, h], [l, h, h], [h, h, h]]);
+    wall("Floor", 0.0, [[l, l, h], [h, l, h], [h, l, l], [l, l, l]]);
+    wall("Ceiling", 0.0, [[l, h, l], [h, h, l], [h, h, h], [l, h, h]]);
     model
 }

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    irradiance_volume::{IrradianceVolume, VolumeSettings},
+    irradiance_volume::{IrradianceVolume, VolumeSettings, dynamic_object::Gloss, moments::Order},
     math::{part::Part, progress::Progress},
     scene::mesh::Mesh,
     superposition::{
@@ -105,4 +105,24 @@ fn copies_take_the_part_asked_for_and_leave_the_rest_as_it_was() {
         Visitor { known: Some(dressed.guests[0].known.clone()), ..visitor(&mesh, at, &volume, Part::All) };
     assert_eq!(MovedLight::new(&bare.with_guests(&[again]), false).entries, all);
     assert!(all.iter().all(|e| e[0][1].max_element() < PI * 100.0));
+}
+
+#[test]
+fn a_copy_whose_volume_holds_no_moment_stays_matt_where_others_shine() {
+    let mut bare = solved(cornell(), 0.25);
+    let plain = bare.volume.clone().unwrap();
+    let order = Order::Finite(10);
+    bare.volume = Some(Arc::new(plain.with_moments(&[order], &bare.world, &*bare.radiosity)));
+    let (mesh, at) = (small_box(), Vec3::new(0.0, 1.4, 0.2));
+    let dressed = bare.with_guests(&[visitor(&mesh, at, &plain, Part::All)]);
+    let matt = MovedLight::new(&dressed, false);
+    let gloss = Some(Gloss { order, eye: bare.scene.camera.eye });
+    let shining = MovedLight::new(&dressed.with_gloss(gloss), false);
+    let guest = dressed.guests[0].object;
+    let of = |light: &MovedLight| {
+        let first = light.lattices[light.first[&guest] as usize].0 as usize;
+        light.entries[first..].to_vec()
+    };
+    assert_eq!(of(&shining), of(&matt));
+    assert!(of(&shining).iter().any(|e| e[0][0].max_element() > 0.0));
 }

@@ -4,10 +4,13 @@
 mod accuracy;
 mod comparison;
 mod copies;
+mod given;
 mod harmonics;
 mod ignored;
+mod lighting;
 mod moments;
 mod moving;
+mod overrides;
 mod panorama;
 mod placement;
 mod sampling;

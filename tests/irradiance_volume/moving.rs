@@ -3,8 +3,10 @@
 use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     irradiance_volume::{
-        VolumeSettings,
+        IrradianceVolume, VolumeSettings,
         dynamic_object::{Detail, DynamicObject, lattice_blend, lattice_len},
+        self_occlusion,
+        trust::SampleState,
     },
     math::{colour::luminance, part::Part, progress::Progress, random::Rng},
     radiosity::RadiositySettings,
@@ -142,8 +144,8 @@ fn lattices_reproduce_linear_functions_and_vertices_are_shared() {
         }
     }
     let (_, ball) = alone(bowl(1.0, [24, 12], false), None);
-    // One node a vertex that a triangle uses.
-    assert_eq!(ball.vertices, 25 * 13 - 2);
+    // One node a vertex that a triangle uses; the 24 of the south pole are one.
+    assert_eq!(ball.vertices, 25 * 13 - 2 - 23);
     assert_eq!(ball.places.len(), ball.vertices);
 }
 
@@ -271,4 +273,83 @@ fn positions_in(world: &World, known: &DynamicObject, object: u32) -> Vec<(Vec3,
         (mix(world.geometry.positions[t]), mix(world.geometry.normals[t]).normalize())
     };
     known.places.iter().map(at).collect()
+}
+
+#[test]
+fn at_pixels_a_moved_thing_is_lit_by_a_query_at_each_point() {
+    let place =
+        Affine3A::from_translation(Vec3::new(0.1, 1.2, 0.3)) * Affine3A::from_scale(Vec3::splat(0.25));
+    let (mut solution, object) = moved_in(bowl(0.6, [24, 12], true), 0.5, place);
+    solution.detail = Detail::Pixels;
+    let light = MovedLight::new(&solution, false);
+    let (geometry, volume) = (&solution.world.geometry, solution.volume.as_ref().unwrap());
+    let range = geometry.object_triangles[object as usize].clone();
+    let known = &solution.dynamic_objects[&object];
+    let mut rng = Rng::new(2, 0);
+    for _ in 0..200 {
+        let t = range.start + (rng.next_f32() * range.len() as f32) as u32;
+        let p = rng.next_vec2();
+        let at = if p.x + p.y > 1.0 { Vec2::ONE - p } else { p };
+        let surface = geometry.surface(t, at, -geometry.area_normal(t));
+        let open = known.open_at(t - range.start, at, false);
+        let found = light.irradiance(&solution, t, at, false, Part::Indirect).unwrap();
+        let wanted = volume.irradiance(surface.position, surface.normal, Part::Indirect) * open;
+        assert!((found - wanted).length() < 1e-4 * wanted.length() + 1e-6, "{found} {wanted}");
+    }
+    assert_eq!(solution.with_detail(Some(Detail::Coarse)).detail, Detail::Coarse);
+    assert_eq!(solution.with_detail(None).detail, Detail::Pixels);
+}
+
+#[test]
+fn what_a_thing_hides_from_itself_is_drawn_on_it() {
+    let (_, object) = alone(bowl(0.5, [48, 24], true), None);
+    let (world, _) = alone(bowl(0.5, [48, 24], true), None);
+    let scene = self_occlusion::scene(&[(0, object.clone())].into(), &world.geometry);
+    let triangles: usize = object.lattices.iter().map(|(_, steps)| (steps * steps) as usize).sum();
+    assert_eq!(scene.meshes[0].triangles.len(), triangles);
+    // Half a sphere hides half of every point's hemisphere, to the rays' noise and facets as above.
+    assert!(scene.meshes[0].values.iter().all(|v| (v.x - 50.0).abs() < 4.0));
+    assert_eq!(scene.legend.unwrap().unit, "%");
+}
+
+#[test]
+fn vertices_that_differ_in_texture_alone_ask_once() {
+    let mut square = rectangle(Vec3::ZERO, Vec3::X, Vec3::NEG_Z);
+    let (_, joined) = alone(square.clone(), None);
+    // Cut along the diagonal: six vertices where four places are.
+    square.positions = square.triangles.iter().flatten().map(|&i| square.positions[i as usize]).collect();
+    square.normals = vec![square.normals[0]; 6];
+    square.uvs = (0..6).map(|i| Vec2::splat(i as f32)).collect();
+    square.triangles = vec![[0, 1, 2], [3, 4, 5]];
+    let (_, cut) = alone(square, None);
+    assert_eq!((joined.vertices, cut.vertices), (4, 4));
+}
+
+#[test]
+fn the_volume_follows_furniture_at_once_and_stands_around_it_at_rest() {
+    let mut scene = cornell();
+    let block = scene.objects.iter().position(|o| o.name == "short block").unwrap();
+    let mut live =
+        LiveTransport::solve(Arc::new(scene.clone()), settings(), &Progress::silent(), &mut |_| {}).unwrap();
+    let before = live.current().volume.clone().unwrap();
+    // Up in the air under the lamp: it shadows what is below, and samples come to lie in it.
+    let to = Vec3::new(-0.05, 1.1, 0.0);
+    scene.place(Target::Object(block), Affine3A::from_translation(to));
+    let dragged = live.follow(Arc::new(scene)).volume.clone().unwrap();
+    let below = to + Vec3::new(0.0, -0.3, 0.0);
+    let direct = |v: &IrradianceVolume| luminance(v.irradiance(below, Vec3::Y, Part::Direct));
+    let (was, is) = (direct(&before), direct(&dragged));
+    assert!(is < 0.7 * was, "{is} lx below it, {was} lx before");
+    assert!((0..dragged.samples().len()).any(|s| dragged.age(s) > 0));
+    while live.refine(&Progress::silent()).unwrap().is_some() {}
+    let rested = live.current().volume.clone().unwrap();
+    assert!((0..rested.samples().len()).all(|s| rested.age(s) == 0), "its rays are new");
+    let inside = |v: &IrradianceVolume| {
+        let block = |s: &&lumenscope_core::irradiance_volume::Sample| {
+            (s.position - to).abs().with_y(0.0).max_element() < 0.29 && (1.11..1.69).contains(&s.position.y)
+        };
+        v.samples().iter().filter(block).filter(|s| s.state == SampleState::Free).count()
+    };
+    assert!(inside(&before) > 0 && inside(&rested) == 0, "{} {}", inside(&before), inside(&rested));
+    assert!(direct(&rested) < 0.7 * was, "{} lx", direct(&rested));
 }

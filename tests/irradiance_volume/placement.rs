@@ -259,3 +259,59 @@ fn threads_do_not_change_a_measurement() {
     };
     assert_eq!(run(1), run(2));
 }
+
+/// A mug without a lid: a tube of 16 sides and a bottom, of one double-sided shell.
+fn mug(centre: Vec3, radius: f32, height: f32) -> lumenscope_core::scene::mesh::Mesh {
+    let at = |i: u32, y: f32| {
+        let (sin, cos) = (std::f32::consts::TAU * i as f32 / 16.0).sin_cos();
+        centre + Vec3::new(radius * cos, y, radius * sin)
+    };
+    let side = |i| {
+        lumenscope_core::scene::mesh::Mesh::quad([
+            at(i + 1, 0.0),
+            at(i, 0.0),
+            at(i, height),
+            at(i + 1, height),
+        ])
+    };
+    let mut parts: Vec<_> = (0..16).map(side).collect();
+    let bottom = rectangle(
+        centre - Vec3::new(0.7, 0.0, -0.7) * radius,
+        Vec3::X * 1.4 * radius,
+        Vec3::Z * -1.4 * radius,
+    );
+    parts.push(bottom);
+    lumenscope_tests::merged(&parts)
+}
+
+#[test]
+fn points_inside_a_mug_on_a_table_are_left_out() {
+    let mut scene = lamp_over_floor();
+    let table = scene.objects.iter().position(|o| o.name == "floor").unwrap();
+    let shell = lumenscope_core::scene::material::Material {
+        double_sided: true,
+        ..diffuse("clay", Vec3::splat(0.5), Vec3::ZERO)
+    };
+    let at = Vec3::new(0.6, 0.001, 0.4);
+    add(&mut scene, "mug", mug(at, 0.1, 0.12), shell);
+    let world = World::new(&scene);
+    let grid = MeasuringGrid::on_top(&world.geometry, table, 12).unwrap();
+    let found =
+        measured(&scene, grid.clone(), &MeasureSettings { gather_rays: 16, ..MeasureSettings::default() });
+    let (mut inside, mut beside) = (0, 0);
+    for (point, value) in grid.points.iter().zip(&found.values) {
+        let d = (point.unwrap() - at).with_y(0.0).length();
+        if d < 0.09 {
+            assert!(value.is_none(), "{d} m from the mug's axis");
+            inside += 1;
+        } else if d > 0.11 {
+            assert!(value.is_some(), "{d} m from the mug's axis");
+            beside += 1;
+        }
+    }
+    assert!(inside > 2 && beside > 100, "{inside} {beside}");
+    // The mug's own top is its bottom, which it does stand around: that is measured.
+    let own = scene.objects.len() - 1;
+    let top = MeasuringGrid::on_top(&world.geometry, own, 3).unwrap();
+    assert!(measured(&scene, top, &MeasureSettings::default()).values.iter().any(Option::is_some));
+}

@@ -245,3 +245,108 @@ fn cells_are_divided_where_light_changes() {
     let (coarse, fine) = (error(&coarse), error(&divided(0.05, 2_287)));
     assert!(fine < 0.7 * coarse, "{fine} {coarse}");
 }
+
+#[test]
+fn at_the_default_setting_aimed_rays_leave_the_mean_over_places_as_it_is() {
+    // One ray through the middle of each bin, and 256 aimed ones: at one place the middles decide whether the
+    // bins see the square, over places they do as often as its share of them says.
+    let (radiance, edge) = (400.0, 0.1);
+    let (scene, light) = Bright::new(radiance, edge);
+    let world = World::new(&scene);
+    let targets = Targets::new(&light);
+    let count = 1500;
+    let of = |settings: &VolumeSettings| {
+        let errors: Vec<f64> = (0..count)
+            .map(|i| {
+                let mut rng = Rng::new(31, i);
+                let p = Vec3::new(1.0, 0.4, 0.4)
+                    + Vec3::new(1.8, 1.7, 3.2) * Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+                let settings = VolumeSettings { seed: i, ..settings.clone() };
+                let probe = Probe::with(&world, &light, p, &settings, &targets, i as u32);
+                let to = light.corner + 0.5 * edge * Vec3::new(0.0, 1.0, 1.0) - p;
+                let bin = probe.bins.bin(to.normalize());
+                let normal = probe.bins.centre(bin);
+                let square: f64 =
+                    (12..14).map(|t| polygon_irradiance(p, normal, &world.geometry.positions[t])).sum();
+                let exact = f64::from(PI) + f64::from(radiance - 1.0) * square;
+                f64::from(probe.indirect[bin].x) / exact - 1.0
+            })
+            .collect();
+        let mean = errors.iter().sum::<f64>() / count as f64;
+        let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
+        (mean, (variance / count as f64).sqrt(), variance.sqrt())
+    };
+    let aimed = VolumeSettings::default();
+    assert_eq!((aimed.supersample, aimed.informed_rays), (1, 256));
+    let (mean, error, spread) = of(&aimed);
+    let (plain, plain_error, plain_spread) = of(&VolumeSettings { informed_rays: 0, ..aimed });
+    eprintln!(
+        "aimed {mean:+.4} ± {error:.4}, spread {spread:.3}; not aimed {plain:+.4} ± {plain_error:.4}, {plain_spread:.3}"
+    );
+    // Four standard errors, and what cosines at the middles of bins are off by where the square lies anywhere
+    // in the bin that is asked: 1 − cos of half a bin (4°) at most.
+    assert!(mean.abs() < 4.0 * error + 0.0025, "{mean} ± {error}");
+    assert!(spread < 0.3 * plain_spread, "{spread} {plain_spread}");
+}
+
+#[test]
+fn geometry_and_tolerance_divide_cells_together() {
+    use lumenscope_core::irradiance_volume::grid::NONE;
+    let (scene, light) = furnished();
+    let by = |refine_tolerance, refine_geometry, target_samples| {
+        let settings = VolumeSettings {
+            refine_tolerance,
+            refine_geometry,
+            target_samples,
+            bins_n: 5,
+            ..small([5, 4, 6])
+        };
+        let volume = build(&scene, &light, &settings);
+        let divided: Vec<bool> = volume.grid().second().iter().map(|s| *s != NONE).collect();
+        (divided, volume.samples().len())
+    };
+    let (geometry, _) = by(None, false, 2_287);
+    let (error, _) = by(Some(0.05), false, 2_287);
+    let (both, samples) = by(Some(0.05), true, 2_287);
+    let union: Vec<bool> = geometry.iter().zip(&error).map(|(a, b)| *a || *b).collect();
+    assert_eq!(both, union);
+    assert!(geometry != error && samples <= 2_287);
+    // With little room geometry comes first.
+    let (few, samples) = by(Some(0.0), true, 400);
+    assert!(samples <= 400 || few == geometry, "{samples}");
+    assert!(geometry.iter().zip(&few).all(|(g, f)| !g || *f));
+}
+
+#[test]
+fn the_rays_of_a_point_and_the_errors_of_cells_are_drawn() {
+    use lumenscope_core::irradiance_volume::inspect_sampling::{cell_error_scene, rays};
+    let scene = mirrored_room(&[0, 1], 0.9, [Vec3::ZERO; 6]);
+    let (world, light) = (World::new(&scene), PerTriangle(vec![Vec3::splat(10.0); 12]));
+    let p = Vec3::new(1.31, 1.17, 1.93);
+    let settings = VolumeSettings { bins_n: 9, specular_cutoff: 0.5, ..small([4, 3, 4]) };
+    let drawn = rays(&world, &light, &settings, p);
+    // One segment a bin, and one more for each mirror on the way.
+    let bins = DirectionBins::new(9);
+    let reflections: usize = (0..bins.len())
+        .map(|b| {
+            let n = unfolded(p, bins.centre(b)) as usize;
+            let kept = |n: usize| {
+                fresnel::reflectance(0.9, bins.centre(b).x.abs()).powi(n as i32) >= settings.specular_cutoff
+            };
+            (0..=n).take_while(|k| *k == 0 || kept(*k)).count()
+        })
+        .sum();
+    assert_eq!(drawn.lines.len(), reflections);
+    assert!(drawn.lines.iter().all(|l| l.ends.iter().all(|e| e.is_finite())));
+    let (bright, light) = Bright::new(400.0, 0.1);
+    let aimed = rays(&World::new(&bright), &light, &VolumeSettings { bins_n: 3, ..settings.clone() }, p);
+    let onto =
+        |e: Vec3| (e.x - 0.01).abs() < 1e-5 && (1.4..=1.5).contains(&e.y) && (2.3..=2.4).contains(&e.z);
+    assert_eq!(aimed.lines.iter().filter(|l| onto(l.ends[1])).count(), 64);
+    let mut lit = room([Vec3::ZERO; 6]);
+    lit.lamps.push(point_lamp(Vec3::new(0.7, 1.6, 0.9), 40.0));
+    let light = PerTriangle(vec![Vec3::splat(PI * 5.0); 12]);
+    let errors = cell_error_scene(&World::new(&lit), &light, &settings).unwrap();
+    assert_eq!(errors.meshes[0].positions.len(), 8 * 3 * 2 * 3);
+    assert!(errors.legend.unwrap().range[1] > 5.0 && errors.notes[0].starts_with("18 cells"));
+}

@@ -103,7 +103,7 @@ fn finer_spheres_are_nearer_to_the_finest_and_files_hold_them_bit_by_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("probe.exr");
     let probe = &probes[1];
-    file::write_probe(&path, probe, false).unwrap();
+    file::write_probe(&path, probe, &[], false).unwrap();
     let layers = read_layers(&path).unwrap();
     let names: Vec<&str> = layers.iter().map(|l| l.0.as_str()).collect();
     assert_eq!(names[0], "latitude_longitude", "the map's plain R, G and B are what any viewer shows");

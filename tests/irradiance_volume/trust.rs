@@ -5,7 +5,8 @@ use lumenscope_core::{
     irradiance_volume::{trust::SampleState, visibility::PointState},
     math::colour::luminance,
     radiosity::{RadiositySettings, RadiositySolution},
-    scene::import,
+    reference::irradiance::irradiance,
+    scene::{direct::Receiver, import},
 };
 
 fn solved(path: &str, settings: &VolumeSettings) -> (World, IrradianceVolume) {
@@ -20,20 +21,8 @@ fn solved(path: &str, settings: &VolumeSettings) -> (World, IrradianceVolume) {
 
 /// Mean illuminance over random points of a box and random directions, and the largest, lx.
 fn light_in(volume: &IrradianceVolume, low: Vec3, high: Vec3) -> (f32, f32) {
-    let count = 2000;
-    let (mut sum, mut most) = (0.0f64, 0.0f32);
-    for i in 0..count {
-        let mut rng = Rng::new(12, i);
-        let at = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-        let e = luminance(volume.irradiance(
-            low + (high - low) * at,
-            uniform_direction(rng.next_vec2()),
-            Part::All,
-        ));
-        sum += f64::from(e);
-        most = most.max(e);
-    }
-    ((sum / count as f64) as f32, most)
+    let light = lumenscope_core::measure::leak::light_in(volume, [low, high]);
+    (light.mean_lx, light.most_lx)
 }
 
 #[test]
@@ -136,6 +125,46 @@ fn a_tunnel_darkens_steadily() {
         let e = at(i as f32);
         assert!(e > 0.0 && e < before, "{e} lx at {i} m after {before} lx");
         before = e;
+    }
+}
+
+#[test]
+fn a_tunnel_is_lit_as_the_path_tracer_says() {
+    let settings = VolumeSettings { samples: Some([25, 5, 5]), second_level: 2, ..VolumeSettings::default() };
+    let (world, volume) = solved("analytic/tunnel.ron", &settings);
+    let mut sum = 0.0;
+    let count = 24;
+    for i in 0..count {
+        let p = Vec3::new(1.5 + 0.4 * i as f32, 1.0, 0.0);
+        let receiver = Receiver::new(p, Vec3::NEG_X);
+        let exact = irradiance(&world, &receiver, Part::Indirect, 65_536, i);
+        let (mean, error) = (luminance(exact.mean), luminance(exact.standard_error));
+        let found = luminance(volume.irradiance(p, Vec3::NEG_X, Part::Indirect));
+        eprintln!("{:.1} m: {found:.3} lx, {mean:.3} ± {error:.3} by the path tracer", p.x);
+        // Elements of 20 cm, bins of 8° that look along the tunnel, and light that bends between samples half a
+        // metre apart: some per cent a point.
+        assert!((found - mean).abs() < 4.0 * error + 0.1 * mean, "{found} for {mean} ± {error} at {p}");
+        sum += found / mean - 1.0;
+    }
+    let mean = sum / count as f32;
+    assert!(mean.abs() < 0.05, "{mean}");
+}
+
+#[test]
+fn relocated_samples_leak_no_more_than_masked_ones_through_a_thin_wall() {
+    use lumenscope_core::measure::leak::leak;
+    let rooms = [
+        [Vec3::new(-2.0, 0.0, -1.5), Vec3::new(0.29, 2.5, 1.5)],
+        [Vec3::new(0.31, 0.0, -1.5), Vec3::new(2.0, 2.5, 1.5)],
+    ];
+    for repair in Repair::ALL {
+        let settings =
+            VolumeSettings { repair, samples: Some([9, 6, 7]), second_level: 2, ..plain_settings() };
+        let (world, plain) = solved("analytic/two_rooms.ron", &settings);
+        let guarded = leak(&plain.with_guard(Some(&world)), rooms[0], rooms[1]).unwrap();
+        let plain = leak(&plain, rooms[0], rooms[1]).unwrap();
+        eprintln!("{}: {plain:?} plain, {guarded:?} guarded", repair.name());
+        assert!(plain.worst > 0.05 && guarded.mean <= 0.01 && guarded.worst <= 0.01, "{repair:?}");
     }
 }
 

@@ -34,9 +34,12 @@ fn the_spheres_are_seen_at_every_resolution_as_plots_lobes_and_files() {
     window.harness.get_by_label("finest");
 
     window.click("Moments");
+    window.wait("the moments", |app| app.session().moments.is_some());
+    window.click("Another order");
+    window.wait("one order more", |app| app.session().moments.as_ref().is_some_and(|m| m.of.len() == 7));
     window.harness.run_steps(3);
     window.keep("moments");
-    for order in ["1", "100", "∞"] {
+    for order in ["1", "30", "100", "∞"] {
         window.harness.get_by_label(&format!("moment of order {order}"));
     }
 
@@ -45,4 +48,5 @@ fn the_spheres_are_seen_at_every_resolution_as_plots_lobes_and_files() {
     window.wait("the spheres' file", |app| !app.is_busy());
     let layers = lumenscope_core::io::exr::read_layers(&file).unwrap();
     assert!(LAYERS.iter().all(|(name, ..)| layers.iter().any(|l| l.0 == *name)));
+    assert!(layers.iter().any(|l| l.0 == "moment_30_all_lx"), "the moments that are open too");
 }

@@ -3,7 +3,8 @@
 use crate::window::Window;
 use glam::Vec3;
 use lumenscope::{
-    app::LumenscopeApp, command::Command, export::Export, pipeline::VolumeSource, session::Against,
+    app::LumenscopeApp, command::Command, copies::CopyVolume, export::Export, pipeline::VolumeSource,
+    session::Against,
 };
 use lumenscope_core::scene::Target;
 
@@ -65,4 +66,54 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
     window.click("Forget");
     assert_eq!(window.app().session().kept.len(), 2);
     assert_eq!(window.view().volume.against, Against::Ignoring);
+}
+
+#[test]
+fn a_volume_without_some_light_is_kept_shown_and_taken_from() {
+    let mut window = Window::on_room();
+    window.click("Views");
+    let mut view = window.view();
+    view.volume.ignored.insert(Target::Lamp(0));
+    view.views.push(lumenscope::pipeline::DIFFERENCES[0].to_owned());
+    window.run(Command::View(Box::new(view)));
+    window.wait("the difference", |app| !app.is_busy() && app.session().inspection.is_some());
+    let straight = largest(&window);
+    window.click("Keep without them");
+    window.wait("the kept volume", |app| app.session().kept.len() == 1 && !app.is_busy());
+    assert!(window.app().session().kept[0].name.contains("without bulb"));
+    assert_eq!(largest(&window), straight, "it is what was compared with before");
+    // The other way round: the kept one less the present one.
+    let mut view = window.view();
+    (view.volume.of, view.volume.against) = (CopyVolume::Kept(0), Against::Present);
+    window.run(Command::View(Box::new(view)));
+    window.wait("the difference turned", |app| {
+        let notes = app.session().inspection.as_ref().map(|i| i.notes.join(" "));
+        !app.is_busy() && notes.is_some_and(|n| n.contains("A − B: mean -"))
+    });
+    assert!((largest(&window) / straight - 1.0).abs() < 0.01);
+    // A material of everything there is: what is left out is more than the lamp.
+    let mut view = window.view();
+    view.volume.of = CopyVolume::Present;
+    view.volume.ignored_materials.extend(0..8);
+    view.volume.against = Against::Ignoring;
+    window.run(Command::View(Box::new(view)));
+    window.wait("all light left out", |app| !app.is_busy() && shown(app) > 1.01 * straight);
+    window.run(Command::ForgetVolume(0));
+    assert_eq!(window.view().volume.of, CopyVolume::Present);
+}
+
+#[test]
+fn a_volume_that_was_saved_is_opened_and_what_is_none_is_refused() {
+    let mut window = Window::on_room();
+    let file = window.folder.path().join("saved.volume");
+    window.app().session().solution.as_ref().unwrap().volume.as_ref().unwrap().save(&file).unwrap();
+    window.run(Command::CompareWith(VolumeSource::File(file.clone())));
+    window.wait("the volume", |app| app.session().kept.len() == 1 && !app.is_busy());
+    assert!(window.app().session().kept[0].name.contains("saved"));
+    std::fs::write(&file, "nothing").unwrap();
+    window.run(Command::CompareWith(VolumeSource::File(file)));
+    window.wait("the refusal", |app| app.notice().is_some());
+    let text = window.app().notice().unwrap().text.clone();
+    assert!(text.contains("saved.volume") && !text.contains('\n'), "{text}");
+    assert_eq!(window.app().session().kept.len(), 1);
 }

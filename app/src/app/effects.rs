@@ -45,6 +45,7 @@ impl LumenscopeApp {
                         position,
                         n: view.probe_bins_n,
                         resolutions: view.probe_resolutions,
+                        moments: view.moments(),
                     });
                 }
             }
@@ -143,7 +144,7 @@ impl LumenscopeApp {
         self.worker.export(ExportRequest {
             what,
             path,
-            solution: Arc::new(solution.with_gloss(view.gloss())),
+            solution: Arc::new(solution.with_gloss(view.gloss()).with_detail(view.detail)),
             camera: view.camera,
             size: self.picture_size(self.dock.viewport_size.x.clamp(16.0, 4096.0) as u32),
             weights: view.weights,
@@ -153,6 +154,7 @@ impl LumenscopeApp {
                 DirectQuality::PerPixel(rays) => rays.max(16),
             },
             probe: self.session.probe.clone(),
+            orders: self.session.moments.iter().flat_map(|m| &m.of).map(|m| m.0).collect(),
             at: view.probe.map(|p| p.0),
         });
     }
@@ -231,6 +233,9 @@ fn ask_for_file(
             let ask = ask.set_title("A lightmap over the scene's texture coordinates");
             Box::pin(ask.add_filter("Lightmaps", &EXTENSIONS).pick_file())
         }
+        Dialog::Volume => Box::pin(
+            ask.set_title("Open an irradiance volume").add_filter("Volumes", &["volume"]).pick_file(),
+        ),
         Dialog::Panoramas => {
             let ask = ask.set_title("A volume from panoramas: the list of nodes");
             Box::pin(ask.add_filter("List of nodes", &["ron"]).pick_file())
@@ -245,6 +250,7 @@ fn ask_for_file(
             Dialog::SaveSession => Command::SaveSession(path),
             Dialog::Export(what) => Command::Export(what, path),
             Dialog::Lightmap => Command::Lightmap(LightmapFile { path, white: 1.0 }),
+            Dialog::Volume => Command::CompareWith(VolumeSource::File(path)),
             Dialog::Panoramas => Command::CompareWith(VolumeSource::Panoramas(path)),
         };
         // Without a receiver the window is gone.

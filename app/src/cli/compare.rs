@@ -1,12 +1,11 @@
 //! `compare`: how far two pictures are from each other.
 
-use super::{render::auto_display, solve};
+use super::{compare_volumes, render::auto_display, solve};
 use anyhow::Context;
 use clap::Args;
 use lumenscope_core::{
     io::{exr, png},
-    irradiance_volume::{IrradianceVolume, difference::Difference},
-    math::{colour::luminance, false_colour::FalseColour, image::LinearImage, part::Part},
+    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
     measure,
     superposition::composite,
 };
@@ -19,7 +18,7 @@ pub struct Options {
     a: PathBuf,
     /// Picture or volume to compare it with.
     b: PathBuf,
-    /// Folder for the difference images.
+    /// Folder for the difference images; of volumes a map of A − B on three planes and a histogram.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Layer to compare; the picture itself by default.
@@ -33,7 +32,7 @@ pub struct Options {
 /// One line naming the file and the cause.
 pub fn run(options: &Options) -> anyhow::Result<()> {
     if [&options.a, &options.b].iter().all(|p| p.extension().is_some_and(|e| e == "volume")) {
-        return volumes(options);
+        return compare_volumes::run(&options.a, &options.b, options.out.as_deref());
     }
     let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
     let display = auto_display(&b);
@@ -66,18 +65,6 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         "{}: absolute luminance difference, 0 to {high:.3} cd/m²",
         out.join("difference.png").display()
     );
-    Ok(())
-}
-
-/// Compares two irradiance volumes, A − B, part by part.
-fn volumes(options: &Options) -> anyhow::Result<()> {
-    let (a, b) = (IrradianceVolume::load(&options.a)?, IrradianceVolume::load(&options.b)?);
-    let of = |part| serde_json::to_value(Difference::new(&a, &b, part).statistics());
-    let report = serde_json::json!({
-        "all": of(Part::All)?, "direct": of(Part::Direct)?, "indirect": of(Part::Indirect)?,
-        "same_samples": Difference::new(&a, &b, Part::All).same_samples(),
-    });
-    println!("{}", serde_json::to_string_pretty(&report)?);
     Ok(())
 }
 

@@ -30,12 +30,13 @@ pub struct Options {
     /// Folder for `copies.png` and `copies.json`.
     #[arg(long)]
     out: PathBuf,
-    /// Volume and light of the left copy: rows of bins a hemisphere, then all, direct or indirect.
+    /// Volume and light of the left copy: rows of bins a hemisphere or a volume's file, then all, direct or
+    /// indirect, such as 5:all or office.volume:indirect.
     #[arg(long, value_parser = parse_light, default_value = "5:all")]
-    left: (u32, Part),
+    left: Light,
     /// Volume and light of the right copy.
     #[arg(long, value_parser = parse_light, default_value = "17:all")]
-    right: (u32, Part),
+    right: Light,
     /// The place midway between the copies, m; the middle of the scene by default.
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     at: Option<Vec3>,
@@ -44,18 +45,39 @@ pub struct Options {
     size: [u32; 2],
 }
 
-/// `N:PART`.
-fn parse_light(text: &str) -> Result<(u32, Part), String> {
-    let wrong = || format!("`{text}` is not N:all, N:direct or N:indirect with N from 1 to 64");
-    let (n, part) = text.split_once(':').ok_or_else(wrong)?;
+/// What lights a copy.
+#[derive(Clone, Debug, PartialEq)]
+struct Light {
+    volume: Volume,
+    part: Part,
+}
+
+/// Where its volume comes from.
+#[derive(Clone, Debug, PartialEq)]
+enum Volume {
+    /// Built with so many rows of bins a hemisphere.
+    Rows(u32),
+    /// Read from a file.
+    File(PathBuf),
+}
+
+/// `N:PART` or `FILE.volume:PART`.
+fn parse_light(text: &str) -> Result<Light, String> {
+    let wrong = || {
+        format!(
+            "`{text}` is not N:PART with N from 1 to 64 or FILE.volume:PART, PART all, direct or indirect"
+        )
+    };
+    let (volume, part) = text.rsplit_once(':').ok_or_else(wrong)?;
     let part = match part {
         "all" => Part::All,
         "direct" => Part::Direct,
         "indirect" => Part::Indirect,
         _ => return Err(wrong()),
     };
-    let n = n.parse().ok().filter(|n| (1..=64).contains(n)).ok_or_else(wrong)?;
-    Ok((n, part))
+    let rows = volume.parse().ok().filter(|n| (1..=64).contains(n)).map(Volume::Rows);
+    let file = volume.ends_with(".volume").then(|| Volume::File(volume.into()));
+    Ok(Light { volume: rows.or(file).ok_or_else(wrong)?, part })
 }
 
 /// Solves, puts the copies in, writes the picture, prints how they differ.
@@ -88,21 +110,23 @@ pub fn draw(
     seed: u64,
 ) -> anyhow::Result<(LinearImage, serde_json::Value)> {
     let present = bare.volume.clone().context("the plan built no volume")?;
-    let sides = [options.left, options.right];
+    let sides = [&options.left, &options.right];
     let mut volumes = Vec::new();
-    for (n, _) in sides {
-        volumes.push(if n == present.settings().bins_n {
-            present.clone()
-        } else {
-            let settings = VolumeSettings { bins_n: n, ..present.settings().clone() };
-            Arc::new(solve::watched(|p| {
-                IrradianceVolume::build(&bare.world, &*bare.radiosity, &settings, p)
-            })?)
+    for side in sides {
+        volumes.push(match &side.volume {
+            Volume::File(path) => Arc::new(IrradianceVolume::load(path)?),
+            Volume::Rows(n) if *n == present.settings().bins_n => present.clone(),
+            Volume::Rows(n) => {
+                let settings = VolumeSettings { bins_n: *n, ..present.settings().clone() };
+                Arc::new(solve::watched(|p| {
+                    IrradianceVolume::build(&bare.world, &*bare.radiosity, &settings, p)
+                })?)
+            }
         });
     }
     let mut copies = Copies::of(&bare.scene, object);
     copies.at = options.at.unwrap_or(copies.at);
-    copies.lights = sides.map(|(_, part)| CopyLight { volume: CopyVolume::Present, part });
+    copies.lights = sides.map(|s| CopyLight { volume: CopyVolume::Present, part: s.part });
     let request = CopiesRequest { copies, volumes: [0, 1].map(|i| Some(volumes[i].clone())) };
     let dressed = request.dress(bare, None)?;
     let (layers, _) = picture(&dressed, options.size, 8, Backend::Cpu, seed)?;
@@ -116,7 +140,7 @@ pub fn draw(
     let side = |i: usize, light: &[f32]| {
         serde_json::json!({
             "bins": volumes[i].bins().len(),
-            "part": format!("{:?}", sides[i].1).to_lowercase(),
+            "part": format!("{:?}", sides[i].part).to_lowercase(),
             "mean_illuminance_lx": mean(light),
         })
     };
@@ -139,8 +163,8 @@ impl Options {
             scene: scene.to_path_buf(),
             object: "Chair".into(),
             out: PathBuf::new(),
-            left: (5, Part::All),
-            right: (17, Part::All),
+            left: Light { volume: Volume::Rows(5), part: Part::All },
+            right: Light { volume: Volume::Rows(17), part: Part::All },
             at: Some(Vec3::new(0.2, 1.45, 0.9)),
             size,
         }

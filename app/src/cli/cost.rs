@@ -52,6 +52,8 @@ enum DetailOption {
     Vertices,
     /// At every node, inside large triangles too.
     Fine,
+    /// At every pixel.
+    Pixels,
 }
 
 impl From<DetailOption> for Detail {
@@ -60,6 +62,7 @@ impl From<DetailOption> for Detail {
             DetailOption::Coarse => Self::Coarse,
             DetailOption::Vertices => Self::Vertices,
             DetailOption::Fine => Self::Fine,
+            DetailOption::Pixels => Self::Pixels,
         }
     }
 }
@@ -197,6 +200,7 @@ fn ball(polygons: u32) -> Mesh {
 struct Cost {
     polygons: usize,
     total: usize,
+    /// Queries of the volume in each frame, counted as they are made: every node, both parts, both sides where both are lit.
     queries: usize,
     model: Duration,
     frame: Duration,
@@ -232,7 +236,6 @@ fn measure(solved: &LightTransportSolution, mut scene: Scene, options: &Options)
     known.occlude(&world, object, 1);
     let occlusion = start.elapsed();
     let detail = Detail::from(options.detail);
-    let queries = known.queries(detail);
     let mut solution = LightTransportSolution {
         scene: Arc::new(scene.clone()),
         world: Arc::new(world.clone()),
@@ -247,7 +250,7 @@ fn measure(solved: &LightTransportSolution, mut scene: Scene, options: &Options)
     let mut cost = Cost {
         polygons: range.len(),
         total: world.geometry.len(),
-        queries,
+        queries: 0,
         model: Duration::ZERO,
         frame: Duration::ZERO,
         query: Duration::ZERO,
@@ -264,6 +267,7 @@ fn measure(solved: &LightTransportSolution, mut scene: Scene, options: &Options)
         let start = Instant::now();
         let light = MovedLight::new(&solution, true);
         cost.query += start.elapsed();
+        cost.queries = light.queries;
         anyhow::ensure!(!light.entries.is_empty(), "the object has no triangles");
         let start = Instant::now();
         render_lit(&solution, &light, &camera, width, height, &settings);

@@ -1,7 +1,7 @@
 //! `irradiance`: illuminance at listed points, by the method of choice.
 
 use super::{
-    Common, solve,
+    Common, parse_point, solve,
     table::{self, Column, PointRow},
     volume_options::VolumeOptions,
 };
@@ -9,7 +9,8 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumenscope_core::{
-    math::part::Part,
+    irradiance_volume::lighting::Lighting,
+    math::{colour::luminance, part::Part},
     reference,
     scene::{
         accel::Ray,
@@ -28,14 +29,23 @@ pub struct Options {
     /// Scene file.
     scene: PathBuf,
     /// CSV with the header `x,y,z,nx,ny,nz`, metres.
-    #[arg(long)]
-    points: PathBuf,
+    #[arg(long, required_unless_present = "at", requires = "out")]
+    points: Option<PathBuf>,
+    /// One point, m, instead of a list: its irradiance is printed.
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, conflicts_with = "points")]
+    at: Option<Vec3>,
+    /// What a surface at that point faces; up by default.
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, requires = "at")]
+    normal: Option<Vec3>,
+    /// Print which samples of the volume light that point: their weights, the cell, the place in it, their states.
+    #[arg(long, requires = "at")]
+    weights: bool,
     /// Method.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, default_value_t = Method::Volume)]
     method: Method,
     /// CSV to write: the same columns, then `E_r,E_g,E_b` in lx.
     #[arg(long)]
-    out: PathBuf,
+    out: Option<PathBuf>,
     /// Part of the light.
     #[arg(long, value_enum, default_value_t = PartOption::All)]
     part: PartOption,
@@ -84,9 +94,21 @@ const ON_SURFACE_M: f32 = 0.01;
 /// # Errors
 /// One line naming the file and the cause.
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
-    let points = table::read_points(&options.points)?;
+    let points = match (&options.points, options.at) {
+        (Some(list), _) => table::read_points(list)?,
+        (None, Some(position)) => {
+            let normal = options.normal.unwrap_or(Vec3::Y);
+            let normal = normal.try_normalize().context("--normal 0,0,0: faces no direction")?;
+            vec![PointRow { position, normal }]
+        }
+        (None, None) => bail!("--points or --at: nothing to compute"),
+    };
+    if options.weights && options.method != Method::Volume {
+        bail!("--weights: only --method volume has samples");
+    }
     let mut loaded = solve::load(&options.scene, common)?;
     let part = Part::from(options.part);
+    let mut report = serde_json::json!({});
     let columns = match options.method {
         Method::Reference => {
             reference_columns(&World::new(&loaded.scene), &points, part, options.spp, common.seed)?
@@ -99,12 +121,59 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             options.volume.apply(loaded.plan.volume_settings());
             let solution = solve::solve(&loaded, true)?;
             let volume = solution.volume.context("the plan built no volume")?;
+            if options.weights {
+                report = weights(&volume.lighting(points[0].position, points[0].normal, part));
+            }
             rgb_columns(
                 &points.iter().map(|p| volume.irradiance(p.position, p.normal, part)).collect::<Vec<_>>(),
             )
         }
     };
-    solve::write(&options.out, &table::format_points(&points, &columns))
+    if let Some(at) = options.at {
+        report["at_m"] = at.to_array().into();
+        report["normal"] = points[0].normal.to_array().into();
+        for (name, values) in &columns {
+            report[format!("{name}_lx")] = values[0].into();
+        }
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    }
+    match &options.out {
+        Some(out) => solve::write(out, &table::format_points(&points, &columns)),
+        None => Ok(()),
+    }
+}
+
+/// Cell, offset, state and samples of a point; and the same as a table on stderr.
+fn weights(lighting: &Lighting) -> serde_json::Value {
+    eprintln!("{}", lighting.place());
+    for s in &lighting.samples {
+        let p = s.position;
+        eprintln!(
+            "#{:<6}{:>7.2} %{:>9.2} % trilinear  {:>8.3} {:>8.3} {:>8.3} m{:>12.4} lx  {}",
+            s.id,
+            100.0 * s.weight,
+            100.0 * s.trilinear,
+            p.x,
+            p.y,
+            p.z,
+            luminance(s.irradiance),
+            s.word()
+        );
+    }
+    let samples: Vec<_> = lighting
+        .samples
+        .iter()
+        .map(|s| {
+            serde_json::json!({
+                "sample": s.id, "weight": s.weight, "trilinear": s.trilinear, "at_m": s.position.to_array(),
+                "state": s.word(), "E_lx": s.irradiance.to_array(),
+            })
+        })
+        .collect();
+    serde_json::json!({
+        "cell": lighting.cell, "level": lighting.level, "offset": lighting.offset.to_array(),
+        "notice": lighting.notice(), "samples": samples,
+    })
 }
 
 /// Irradiance, lx.

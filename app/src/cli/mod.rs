@@ -3,6 +3,7 @@
 mod bake;
 mod chart;
 mod compare;
+mod compare_volumes;
 mod copies;
 mod cost;
 mod fly;
@@ -16,6 +17,7 @@ mod headless;
 mod images;
 mod irradiance;
 mod kernel;
+mod leaks;
 mod lightmap;
 mod page;
 pub mod panorama;
@@ -123,7 +125,7 @@ enum Job {
         after_help = "Example: lumenscope reference scenes/cornell/cornell.ron --out ref.exr --spp 256"
     )]
     Reference(reference::Options),
-    /// Difference of two EXR pictures in numbers and images.
+    /// Difference of two EXR pictures or irradiance volumes in numbers and images.
     #[command(after_help = "Example: lumenscope compare out/layers.exr ref.exr --out difference")]
     Compare(compare::Options),
     /// Seconds against error: every method at many settings, held to the path tracer.

@@ -5,6 +5,7 @@ use crate::panoramas;
 use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
+    io::panorama as files,
     irradiance_volume::{IrradianceVolume, VolumeSettings},
     superposition::panorama::panorama,
 };
@@ -18,7 +19,7 @@ pub struct Options {
     /// Point, m.
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     at: Vec3,
-    /// OpenEXR file to write: latitude–longitude, cd/m², −z in the middle, +x to the right of it.
+    /// OpenEXR environment map to write, cd/m²: +z in the middle, +x to the left of it, as OpenEXR defines it.
     #[arg(long)]
     out: PathBuf,
     /// Height in pixels, from 1 to 8192; the width is twice that.
@@ -38,7 +39,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let solution = solve::solve(&loaded, false)?;
     let image =
         solve::watched(|progress| panorama(&solution, options.at, options.height, options.rays, progress))?;
-    panoramas::write(&options.out, &image, options.at)?;
+    files::write(&options.out, &image, options.at)?;
     let mean = image.mean();
     eprintln!("{}: mean {:.3} {:.3} {:.3} cd/m²", options.out.display(), mean.x, mean.y, mean.z);
     Ok(())

@@ -6,7 +6,7 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::{Mat3, Vec3};
 use lumenscope_core::{
-    io::{exr, png::write_png, probe::write_probe},
+    io::{png::write_png, probe::write_probe},
     irradiance_volume::{
         lobe,
         moments::Order,
@@ -28,7 +28,7 @@ pub struct Options {
     /// Scene file.
     scene: PathBuf,
     /// Point, m.
-    #[arg(long, value_parser = parse_point)]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     at: Vec3,
     /// Folder for `probe.exr` (map and bins), `probe.json`, and for radiance and irradiance each the
     /// ball, the 3-D lobe and the radial plots.
@@ -50,9 +50,10 @@ pub struct Options {
     /// irradiance of each is from the finest.
     #[arg(long)]
     resolutions: bool,
-    /// Order of the moment that `moment.png`, `moment_lobe.png` and `moment.exr` show besides: 1 to 10000, or inf.
-    #[arg(long)]
-    moment: Option<Order>,
+    /// Orders of moments, 1 to 10000 or inf, such as 2,10,inf: layers of `probe.exr`, and of each a ball and a lobe,
+    /// `moment_10.png` and `moment_10_lobe.png`.
+    #[arg(long, value_delimiter = ',')]
+    moment: Vec<Order>,
 }
 
 /// Part of the light.
@@ -96,16 +97,17 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let solution = solve::solve(&loaded, false)?;
     let at = |n| Probe::at(&solution.world, &*solution.radiosity, options.at, n, SUPERSAMPLE, common.seed);
     let probe = at(n)?;
-    write_probe(&options.out.join("probe.exr"), &probe, options.smooth)?;
+    write_probe(&options.out.join("probe.exr"), &probe, &options.moment, options.smooth)?;
     for quantity in [Quantity::Radiance, Quantity::Irradiance] {
         pictures(options, &probe, quantity)?;
     }
     let finer: Vec<Probe> =
         if options.resolutions { ROWS.into_iter().map(at).collect::<Result<_, _>>()? } else { Vec::new() };
     let mut report = report(options, &probe, &finer);
-    if let Some(order) = options.moment {
-        report["moment_order"] = serde_json::json!(order);
-        report["moment_lx"] = moment(options, &probe, order)?.into();
+    if !options.moment.is_empty() {
+        let moments = options.moment.iter().map(|&order| moment(options, &probe, order));
+        let moments = moments.collect::<anyhow::Result<serde_json::Map<_, _>>>()?;
+        report["moments_lx"] = moments.into();
     }
     let text = serde_json::to_string_pretty(&report)?;
     println!("{text}");
@@ -120,26 +122,12 @@ fn pictures(options: &Options, probe: &Probe, quantity: Quantity) -> anyhow::Res
     solve::write(&options.out.join(format!("{}_radial.svg", quantity.name())), &svg)
 }
 
-/// The sphere of a moment as pictures and as an EXR of its bins; its luminance along the axes, lx.
-fn moment(
-    options: &Options,
-    probe: &Probe,
-    order: Order,
-) -> anyhow::Result<serde_json::Map<String, serde_json::Value>> {
+/// The sphere of a moment as pictures; its order, and its luminance along the axes, lx.
+fn moment(options: &Options, probe: &Probe, order: Order) -> anyhow::Result<(String, serde_json::Value)> {
     let values = probe.moment(order, options.part.part());
-    let bins = probe.bins;
-    sphere_and_lobe(options, "moment", &SphereValues { bins, values: &values })?;
-    let side = (bins.n() * bins.n()) as usize;
-    let half = |first: usize| LinearImage {
-        width: bins.n(),
-        height: bins.n(),
-        pixels: values[first..first + side].to_vec(),
-    };
-    let note =
-        format!("moment of order {}, lx, {} bins at {} m", String::from(order), bins.len(), options.at);
-    let layers = [("upper", &half(0)), ("lower", &half(side))];
-    exr::write_layers(&options.out.join("moment.exr"), &layers, &note)?;
-    Ok(along_axes(bins, &values))
+    let (bins, name) = (probe.bins, String::from(order));
+    sphere_and_lobe(options, &format!("moment_{name}"), &SphereValues { bins, values: &values })?;
+    Ok((name, along_axes(bins, &values).into()))
 }
 
 fn sphere_and_lobe(options: &Options, name: &str, sphere: &SphereValues) -> anyhow::Result<()> {

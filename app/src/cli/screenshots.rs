@@ -30,7 +30,7 @@ use lumenscope_core::{
         sphere_values::SphereValues,
     },
     registry::{VIEWS, ViewInput},
-    scene::accel::Ray,
+    scene::{accel::Ray, geometry::Surface},
     superposition::{
         composite::{self, DirectQuality},
         layers::{Layer, Layers},
@@ -39,7 +39,10 @@ use lumenscope_core::{
     },
     transport::LightTransportSolution,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Options of `screenshots`.
 #[derive(Args)]
@@ -63,13 +66,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let only = match &options.only {
         None => None,
         Some(name) => Some(
-            Example::ALL
-                .into_iter()
+            Example::every()
                 .find(|e| e.key().strip_prefix("example:") == Some(name))
                 .with_context(|| format!("--only {name}: there is no such example"))?,
         ),
     };
-    for example in Example::ALL.into_iter().filter(|e| only.is_none_or(|only| only == *e)) {
+    let wanted = only.map_or(Example::ALL.to_vec(), |only| vec![only]);
+    for example in wanted {
         let path = examples::resolve(Path::new(example.key()))?;
         let folder = options.out.join(path.file_stem().unwrap_or_default());
         solve::output_folder(&folder)?;
@@ -168,6 +171,7 @@ pub fn write_pictures(
     let input = ViewInput {
         solution,
         probe: Some(&probe),
+        point: point_looked_at(solution),
         element: element_looked_at(solution),
         volume: &VolumeView::default(),
         against: without_main.as_ref(),
@@ -191,27 +195,31 @@ pub fn write_pictures(
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
 }
 
-/// The element in the middle of the picture.
-fn element_looked_at(solution: &LightTransportSolution) -> Option<u32> {
+/// The surface in the middle of the picture.
+fn looked_at(solution: &LightTransportSolution) -> Option<Surface> {
     let camera = &solution.scene.camera;
     let towards = (camera.target - camera.eye).normalize();
     let hit = solution.world.accel.trace(&Ray::new(camera.eye, towards))?;
-    let surface = solution.world.geometry.surface(hit.triangle, hit.barycentric, towards);
+    Some(solution.world.geometry.surface(hit.triangle, hit.barycentric, towards))
+}
+
+fn point_looked_at(solution: &LightTransportSolution) -> Option<(Vec3, Vec3)> {
+    looked_at(solution).map(|s| (s.position, s.normal))
+}
+
+fn element_looked_at(solution: &LightTransportSolution) -> Option<u32> {
+    let surface = looked_at(solution)?;
     Some(solution.radiosity.element_at(surface.triangle, surface.barycentric, surface.back))
 }
 
-/// Emitters among which the one that matters most is looked for, the strongest ones.
-const STRONGEST: usize = 6;
-
-/// The volume without the light that comes straight from whatever lights most of the air.
+/// The volume without the light that comes straight from whatever sends most into the air: the light of
+/// several is their sum, so the mean over all samples and directions says which.
 fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceVolume> {
     let volume = solution.volume.as_ref()?;
-    let mut emitters: Vec<_> = solution.world.emitters.list.iter().collect();
-    emitters.sort_by(|a, b| b.flux().total_cmp(&a.flux()));
-    let without = emitters.into_iter().take(STRONGEST).filter_map(|emitter| {
-        let ignored = Ignored::of([emitter.target()]);
-        let without = volume.ignoring(&solution.world, &*solution.radiosity, ignored)?;
-        Some((Difference::new(volume, &without, Part::All).statistics().median_relative, without))
+    let targets: BTreeSet<_> = solution.world.emitters.list.iter().map(|e| e.target()).collect();
+    let without = targets.into_iter().filter_map(|target| {
+        let without = volume.ignoring(&solution.world, &*solution.radiosity, Ignored::of([target]))?;
+        Some((Difference::new(volume, &without, Part::Direct).statistics().mean_lx, without))
     });
     without.max_by(|a, b| a.0.total_cmp(&b.0)).map(|w| w.1)
 }

@@ -54,10 +54,7 @@ pub fn solve(loaded: &Loaded, with_volume: bool) -> anyhow::Result<LightTranspor
 pub fn live(loaded: &Loaded, with_volume: bool) -> anyhow::Result<LiveTransport> {
     let mut settings = loaded.plan.solve.clone();
     if with_volume {
-        settings.volume.get_or_insert_with(|| lumenscope_core::irradiance_volume::VolumeSettings {
-            seed: settings.radiosity.seed,
-            ..Default::default()
-        });
+        settings.volume.get_or_insert_with(|| loaded.plan.volume.clone());
     }
     watched(|progress| LiveTransport::solve(loaded.scene.clone(), settings, progress, &mut |_| {}))
         .with_context(|| loaded.scene.name.clone())

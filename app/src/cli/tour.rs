@@ -138,8 +138,15 @@ impl Tour {
         self.photograph("resolutions", GRAIN)?;
         self.click("Smooth");
         self.click("Moments");
+        self.wait("the moments", |app| app.session().moments.is_some() && !app.is_busy())?;
         self.photograph("moments", GRAIN)?;
         self.click("Radial plots");
+        for id in ["irradiance_volume.lighting", "irradiance_volume.rays"] {
+            self.view(|view| view.views = vec![id.to_owned()]);
+            self.wait("the view", |app| app.session().inspection.is_some() && !app.is_busy())?;
+            self.photograph(&id.replace('.', "_"), GRAIN)?;
+        }
+        self.view(|view| view.views.clear());
         self.view(|view| view.probe = None);
         self.click("Plan");
         self.click("radiosity: automatic");
@@ -172,7 +179,13 @@ impl Tour {
         self.photograph("volume_validity", GRAIN)?;
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
 
-        for id in ["radiosity.elements", "radiosity.irradiance", "irradiance_volume.grid"] {
+        for id in [
+            "radiosity.elements",
+            "radiosity.irradiance",
+            "irradiance_volume.grid",
+            "irradiance_volume.cell_errors",
+            "irradiance_volume.self_occlusion",
+        ] {
             self.view(|view| view.views = vec![id.to_owned()]);
             self.wait("the view", |app| !app.is_busy())?;
             self.photograph(&id.replace('.', "_"), GRAIN)?;

@@ -1,6 +1,12 @@
 //! `volume`: builds and saves the irradiance volume.
 
-use super::{Common, report, solve, volume_options::VolumeOptions, volume_table};
+use super::{
+    Common,
+    leaks::{self, parse_box},
+    report, solve,
+    volume_options::VolumeOptions,
+    volume_table,
+};
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::Vec3;
@@ -11,14 +17,24 @@ use lumenscope_core::{
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
+/// Two corners of a box, m.
+type Box3 = [Vec3; 2];
+
 /// Options of `volume`.
 #[derive(Args)]
 pub struct Options {
     /// Scene file.
     scene: PathBuf,
     /// File to write.
-    #[arg(long, required_unless_present = "table")]
+    #[arg(long, required_unless_present_any = ["table", "lit"])]
     out: Option<PathBuf>,
+    /// Print how much light leaks from this box, X,Y,Z:X,Y,Z in metres, into a dark one, by repair and guard, instead
+    /// of saving a volume.
+    #[arg(long, value_parser = parse_box, allow_hyphen_values = true, requires = "dark")]
+    lit: Option<Box3>,
+    /// The box that no light reaches.
+    #[arg(long, value_parser = parse_box, allow_hyphen_values = true, requires = "lit")]
+    dark: Option<Box3>,
     /// Objects, lamps and materials whose light is left out, by name.
     #[arg(long, value_delimiter = ',')]
     ignore: Vec<String>,
@@ -59,7 +75,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let mut loaded = solve::load(&options.scene, common)?;
     let settings = loaded.plan.volume_settings();
     options.volume.apply(settings);
-    settings.ignored = ignored(&loaded.scene, &options.ignore)?;
+    if !options.ignore.is_empty() {
+        settings.ignored = ignored(&loaded.scene, &options.ignore)?;
+    }
     if options.table {
         let truth = match &options.truth {
             Some(file) => volume_table::Truth::File(file),
@@ -68,6 +86,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             }
         };
         return volume_table::print(&loaded, &truth);
+    }
+    if let (Some(lit), Some(dark)) = (options.lit, options.dark) {
+        return leaks::print(&loaded, lit, dark);
     }
     let solution = solve::solve(&loaded, true)?;
     let mut volume = solution.volume.context("the plan built no volume")?;
@@ -113,22 +134,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 /// # Errors
 /// When nothing has a name.
 fn ignored(scene: &Scene, names: &[String]) -> anyhow::Result<Ignored> {
-    fn of<'a>(names: impl Iterator<Item = &'a str>, wanted: &str) -> Vec<u32> {
-        names.enumerate().filter(|(_, name)| *name == wanted).map(|(i, _)| i as u32).collect()
+    match Ignored::named(scene, names) {
+        (ignored, None) => Ok(ignored),
+        (_, Some(name)) => bail!("--ignore {name}: the scene has no object, lamp or material of that name"),
     }
-    let mut ignored = Ignored::default();
-    for name in names {
-        let objects = of(scene.objects.iter().map(|o| o.name.as_str()), name);
-        let lamps = of(scene.lamps.iter().map(|l| l.name.as_str()), name);
-        let materials = of(scene.materials.iter().map(|m| m.name.as_str()), name);
-        if objects.is_empty() && lamps.is_empty() && materials.is_empty() {
-            bail!("--ignore {name}: the scene has no object, lamp or material of that name");
-        }
-        ignored.objects.extend(objects);
-        ignored.lamps.extend(lamps);
-        ignored.materials.extend(materials);
-    }
-    Ok(ignored)
 }
 
 /// Repetitions of which the quickest counts: the others were disturbed.

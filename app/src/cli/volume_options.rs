@@ -12,6 +12,12 @@ pub struct VolumeOptions {
     /// Rows and columns of direction bins a hemisphere.
     #[arg(long)]
     bins_n: Option<u32>,
+    /// First-level samples an axis, such as 8,5,8; chosen from the scene if not given.
+    #[arg(long, value_parser = parse_samples)]
+    samples: Option<[u32; 3]>,
+    /// Second-level samples an axis in a divided cell, 2 to 9.
+    #[arg(long)]
+    second_level: Option<u32>,
     /// Samples over both levels that the grid stays within.
     #[arg(long)]
     target_samples: Option<u32>,
@@ -24,6 +30,15 @@ pub struct VolumeOptions {
     /// Divide the cells in which interpolation errs by more than this share, instead of those with geometry.
     #[arg(long)]
     refine_tolerance: Option<f32>,
+    /// With a refine tolerance, divide the cells with geometry too.
+    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    refine_geometry: Option<bool>,
+    /// Share of a ray's light left after mirrors below which it is given up.
+    #[arg(long)]
+    specular_cutoff: Option<f32>,
+    /// Share of a sample's rays that may meet backs before it counts as inside a solid.
+    #[arg(long)]
+    back_face_limit: Option<f32>,
     /// Orders of moments kept beside the irradiance, such as 2,4,10,100,inf.
     #[arg(long, value_delimiter = ',')]
     moments: Vec<Order>,
@@ -65,6 +80,11 @@ impl VolumeOptions {
         take(&mut settings.target_samples, self.target_samples);
         take(&mut settings.supersample, self.supersample);
         take(&mut settings.informed_rays, self.informed_rays);
+        take(&mut settings.second_level, self.second_level);
+        settings.samples = self.samples.or(settings.samples);
+        settings.refine_geometry = self.refine_geometry.unwrap_or(settings.refine_geometry);
+        settings.specular_cutoff = self.specular_cutoff.unwrap_or(settings.specular_cutoff);
+        settings.back_face_limit = self.back_face_limit.unwrap_or(settings.back_face_limit);
         settings.refine_tolerance = self.refine_tolerance.or(settings.refine_tolerance);
         if let Some(basis) = self.basis {
             settings.basis = match basis {
@@ -85,4 +105,11 @@ impl VolumeOptions {
         }
         settings.guard = self.guard.unwrap_or(settings.guard);
     }
+}
+
+/// `X,Y,Z`.
+fn parse_samples(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let three = numbers.ok().and_then(|n| <[u32; 3]>::try_from(n).ok());
+    three.ok_or_else(|| format!("`{text}` is not X,Y,Z: samples along each axis"))
 }

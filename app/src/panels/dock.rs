@@ -249,9 +249,10 @@ impl Frame<'_, '_> {
             Pane::Views => views::show(ui, session, self.shown.inspection, &mut self.out),
             Pane::Sphere => {
                 let probe = session.probe.as_deref();
-                self.out.extend(sphere_inspector::show(ui, probe, &session.resolutions, view));
+                let moments = session.moments.as_deref();
+                self.out.extend(sphere_inspector::show(ui, probe, &session.resolutions, moments, view));
             }
-            Pane::Readout => readout::show(ui, self.pick.as_ref()),
+            Pane::Readout => readout::show(ui, self.pick.as_ref(), session, &mut self.out),
             Pane::Kernel => kernel::show(ui, session, self.kernel.as_deref(), &mut self.out),
             Pane::Placement => placement::show(ui, session, &mut self.out),
             Pane::Texture => texture::show(ui, self.texture, session, &mut self.out),

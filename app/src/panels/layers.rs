@@ -8,7 +8,7 @@ use crate::{
 };
 use egui::{Checkbox, ComboBox, DragValue, Grid, Slider, TextEdit, Ui};
 use lumenscope_core::{
-    irradiance_volume::moments::Order,
+    irradiance_volume::{dynamic_object::Detail, moments::Order},
     math::false_colour::{FalseColour, Palette},
     superposition::{
         composite::{DirectQuality, ToneCurve},
@@ -22,7 +22,10 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
         layers(ui, view);
         section(ui, "Light paths", |ui| paths(ui, &session.light_paths, view));
         section(ui, "Display", |ui| display(ui, view));
-        section(ui, "Movable objects", |ui| gloss(ui, session, view));
+        section(ui, "Movable objects", |ui| {
+            gloss(ui, session, view);
+            detail(ui, view);
+        });
     });
 }
 
@@ -196,6 +199,20 @@ fn gloss(ui: &mut Ui, session: &Session, view: &mut View) {
     {
         ui.weak(format!("The volume holds no moment of order {order}: add it under Plan."));
     }
+}
+
+fn detail(ui: &mut Ui, view: &mut View) {
+    let name = |detail: Option<Detail>| detail.map_or("automatic", Detail::name);
+    let list = ComboBox::from_id_salt("detail").selected_text(name(view.detail)).show_ui(ui, |ui| {
+        for choice in std::iter::once(None).chain(Detail::ALL.map(Some)) {
+            ui.selectable_value(&mut view.detail, choice, name(choice));
+        }
+    });
+    named(list.response, "Level of detail").on_hover_text(
+        "Where objects that have moved ask the irradiance volume. Coarse: at a few vertices. Vertices: at each. \
+         Fine: inside large triangles too. Pixels: at each pixel, where the processor makes the picture. \
+         Automatic: coarser while something moves",
+    );
 }
 
 fn false_colour(ui: &mut Ui, view: &mut View) {

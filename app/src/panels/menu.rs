@@ -31,6 +31,13 @@ fn file(ui: &mut Ui, session: &Session, recent: &[PathBuf], out: &mut Vec<Comman
                 out.push(Command::OpenExample(example));
             }
         }
+        ui.menu_button("With known answers", |ui| {
+            for example in Example::ANALYTIC {
+                if ui.button(example.title()).on_hover_text(example.hint()).clicked() {
+                    out.push(Command::OpenExample(example));
+                }
+            }
+        });
     });
     ui.add_enabled_ui(!recent.is_empty(), |ui| {
         ui.menu_button("Open recent", |ui| {

@@ -12,6 +12,7 @@ pub mod menu;
 pub mod notice;
 pub mod placement;
 pub mod plan;
+mod plan_fields;
 pub mod readout;
 pub mod scene;
 pub mod status;

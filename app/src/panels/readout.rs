@@ -1,13 +1,16 @@
 //! The read-out: the point picked, in numbers, with the volume samples that light it.
 
-use super::{number, quantity};
-use crate::viewport::Pick;
+use super::{edit_view, number, quantity};
+use crate::{command::Command, session::Session, viewport::Pick};
 use egui::{Grid, RichText, Ui};
-use lumenscope_core::irradiance_volume::visibility::PointState;
+use lumenscope_core::{irradiance_volume::lighting::Lighting, math::colour::luminance};
 use std::fmt::Write as _;
 
+/// The view that draws the samples that light the clicked point.
+const LIGHTING: &str = "irradiance_volume.lighting";
+
 /// Shows the numbers at the point picked last.
-pub fn show(ui: &mut Ui, pick: Option<&Pick>) {
+pub fn show(ui: &mut Ui, pick: Option<&Pick>, session: &Session, out: &mut Vec<Command>) {
     let Some(pick) = pick else {
         ui.weak("Click a point in the picture: its position, material and light appear here.");
         return;
@@ -45,38 +48,46 @@ pub fn show(ui: &mut Ui, pick: Option<&Pick>) {
         let l = "L = L_e + ρ E / π: light that leaves the surface towards the eye";
         quantity(ui, "Radiance", pick.total_radiance(), "cd/m²", l);
     });
-    if pick.volume_samples.is_empty() {
-        return;
+    if let Some(lighting) = &pick.lighting {
+        ui.separator();
+        edit_view(&session.document.view, out, |view| {
+            let mut drawn = view.shows(LIGHTING);
+            ui.horizontal(|ui| {
+                ui.label("Lit by volume samples").on_hover_text(
+                    "The samples of the irradiance volume around this point and their shares: what would light an \
+                     object standing here",
+                );
+                if ui.checkbox(&mut drawn, "draw").on_hover_text("Draw them and their cell in the scene").changed() {
+                    view.show(LIGHTING, drawn);
+                }
+            });
+        });
+        lit_by(ui, lighting);
     }
-    ui.separator();
-    ui.label("Lit by volume samples").on_hover_text(
-        "The samples of the irradiance volume around this point and their trilinear weights: what would light \
-         an object standing here",
+}
+
+/// The samples that light the point, and the place between them.
+fn lit_by(ui: &mut Ui, lighting: &Lighting) {
+    ui.label(RichText::new(lighting.place()).small().weak()).on_hover_text(
+        "The cell that holds the point, and where in it: 0 at its lower corner, 1 at its upper one",
     );
-    let notice = match pick.volume_state {
-        PointState::Inside => None,
-        PointState::Outside(metres) => {
-            Some(format!("{metres:.2} m outside the volume: the nearest samples answer"))
-        }
-        PointState::Borrowed => {
-            Some("no sample around sees this point: the nearest that does answers".into())
-        }
-        PointState::Unseen => Some("no sample sees this point: the volume leaves it dark".into()),
-    };
-    if let Some(notice) = notice {
+    if let Some(notice) = lighting.notice() {
         ui.colored_label(ui.visuals().warn_fg_color, notice);
     }
-    Grid::new("samples").num_columns(4).spacing([12.0, 1.0]).striped(true).show(ui, |ui| {
-        for sample in &pick.volume_samples {
+    Grid::new("samples").num_columns(5).spacing([10.0, 1.0]).striped(true).show(ui, |ui| {
+        for sample in &lighting.samples {
             let text = |s: String| {
                 let text = RichText::new(s).monospace();
                 if sample.weight > 0.0 { text } else { text.weak().strikethrough() }
             };
             ui.label(text(format!("#{}", sample.id)));
-            ui.label(text(format!("{:5.1} %", sample.weight * 100.0)));
+            ui.label(text(format!("{:5.1} %", sample.weight * 100.0)))
+                .on_hover_text(format!("{:.1} % before any was left out", sample.trilinear * 100.0));
+            ui.label(text(format!("{} lx", number(luminance(sample.irradiance)))))
+                .on_hover_text("Its own irradiance towards the normal");
             let p = sample.position;
             ui.label(text(format!("{:.2} {:.2} {:.2} m", p.x, p.y, p.z)));
-            ui.label(if sample.seen { sample.state.name() } else { "hidden" }).on_hover_text(
+            ui.label(sample.word()).on_hover_text(
                 "valid: in free air; relocated: moved out of a solid; dilated: inside a solid, filled from its \
                  neighbours; masked: inside a solid, not used; hidden: a wall stands between it and the point",
             );
@@ -97,15 +108,19 @@ pub fn as_text(pick: &Pick) -> String {
     let _ = writeln!(text, "irradiance direct\t{}\tlx", row(pick.irradiance_direct));
     let _ = writeln!(text, "irradiance indirect\t{}\tlx", row(pick.irradiance_indirect));
     let _ = writeln!(text, "radiance\t{}\tcd/m²", row(pick.total_radiance()));
-    for sample in &pick.volume_samples {
-        let _ = writeln!(
-            text,
-            "volume sample {}\t{}\tm\t{}\t{}",
-            sample.id,
-            row(sample.position),
-            number(sample.weight),
-            if sample.seen { sample.state.name() } else { "hidden" }
-        );
+    if let Some(lighting) = &pick.lighting {
+        let _ = writeln!(text, "volume\t{}", lighting.place());
+        for sample in &lighting.samples {
+            let _ = writeln!(
+                text,
+                "volume sample {}\t{}\tm\t{}\t{}\tlx\t{}",
+                sample.id,
+                row(sample.position),
+                number(sample.weight),
+                row(sample.irradiance),
+                sample.word()
+            );
+        }
     }
     text
 }

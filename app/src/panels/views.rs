@@ -89,7 +89,7 @@ fn volume(ui: &mut Ui, v: &mut VolumeView) {
         ui.end_row();
         ui.label("Colour by").on_hover_text(
             "Light: as it is, in each direction. Luminance: mean illuminance, lx. Validity: whether a sample lies \
-             in free air or was repaired. Age: changes of the light since its rays. Distance: to the nearest \
+             in free air or was repaired. Age: changes of its light since its rays. Distance: to the nearest \
              surface, m. Error: how far it is from the volume chosen under Compare volumes, %",
         );
         ComboBox::from_id_salt("colour by").selected_text(v.colour_by.name()).show_ui(ui, |ui| {

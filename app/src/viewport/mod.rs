@@ -18,7 +18,7 @@ pub mod request;
 pub mod screen;
 mod shown;
 
-pub use pick::{Pick, PickedSample};
+pub use pick::Pick;
 pub use picture::Backend;
 
 use crate::{
@@ -202,7 +202,8 @@ impl Viewport {
         out: &mut ViewportOutput,
     ) -> Option<Painted> {
         let bounces = input.light_paths.single_bounces();
-        let light = input.solution.map(|solution| self.shown.lit(ui.ctx(), solution, view.gloss(), bounces));
+        let lit_as = (view.gloss(), view.detail);
+        let light = input.solution.map(|solution| self.shown.lit(ui.ctx(), solution, lit_as, bounces));
         let display = match &light {
             Some(light) => self.meter.display(ui.ctx(), light, view, screen.aspect())?,
             None => view.display,

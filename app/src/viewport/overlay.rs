@@ -235,6 +235,7 @@ pub fn status(
             Detail::Coarse => " · moved: lit coarsely",
             Detail::Vertices => " · moved: lit at vertices",
             Detail::Fine => " · moved: lit finely",
+            Detail::Pixels => " · moved: lit at pixels",
         };
     }
     if status.seconds > 0.0 {

@@ -4,7 +4,7 @@ use crate::grid_view::SurfacePoint;
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::InspectionScene,
-    irradiance_volume::{trust::SampleState, visibility::PointState},
+    irradiance_volume::lighting::Lighting,
     math::{colour::luminance, part::Part},
     scene::{
         Target,
@@ -57,25 +57,8 @@ pub struct Pick {
     pub irradiance_indirect: Vec3,
     /// Luminance towards the eye, all layers with weight 1, cd/m².
     pub luminance: f32,
-    /// Volume samples that light this point, heaviest first; empty without a volume.
-    pub volume_samples: Vec<PickedSample>,
-    /// How far they can be trusted here.
-    pub volume_state: PointState,
-}
-
-/// One volume sample that lights a picked point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PickedSample {
-    /// Number of the sample.
-    pub id: u32,
-    /// Where it is, m.
-    pub position: Vec3,
-    /// Its share, in [0, 1].
-    pub weight: f32,
-    /// How it came to its light; a masked one has no say.
-    pub state: SampleState,
-    /// Whether it sees the point; asked in a guarded volume alone.
-    pub seen: bool,
+    /// The samples of the volume that would light an object standing here; `None` without a volume.
+    pub lighting: Option<Lighting>,
 }
 
 /// What a glance at the point under the cursor says, cheap enough for every frame.
@@ -127,12 +110,10 @@ impl Pick {
             irradiance_direct: direct,
             irradiance_indirect: indirect,
             luminance: luminance(radiance.iter().sum()),
-            volume_samples: volume_samples(solution, surface.position),
-            volume_state: solution
+            lighting: solution
                 .volume
                 .as_ref()
-                .map(|v| v.weights(surface.position).state)
-                .unwrap_or_default(),
+                .map(|v| v.lighting(surface.position, surface.normal, Part::All)),
         }
     }
 
@@ -215,22 +196,4 @@ fn stored(solution: &LightTransportSolution, surface: &Surface, part: Part) -> V
     }
     let Surface { triangle, barycentric, back, .. } = *surface;
     solution.radiosity.shown(triangle, barycentric, back, part, solution.lookup())
-}
-
-/// Samples that light a point, heaviest first; those without weight are left out unless inside a solid.
-fn volume_samples(solution: &LightTransportSolution, position: Vec3) -> Vec<PickedSample> {
-    let Some(volume) = &solution.volume else { return Vec::new() };
-    let at = volume.weights(position);
-    let mut samples: Vec<PickedSample> = (0..8)
-        .filter(|&i| at.trilinear[i] > 0.0 || at.weights[i] > 0.0)
-        .map(|i| PickedSample {
-            id: at.ids[i],
-            position: volume.samples()[at.ids[i] as usize].position,
-            weight: at.weights[i],
-            state: volume.samples()[at.ids[i] as usize].state,
-            seen: at.seen[i],
-        })
-        .collect();
-    samples.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.id.cmp(&b.id)));
-    samples
 }

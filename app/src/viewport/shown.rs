@@ -2,7 +2,8 @@
 
 use super::request::{Lit, Same};
 use lumenscope_core::{
-    irradiance_volume::dynamic_object::Gloss, reference::expression::Expression,
+    irradiance_volume::dynamic_object::{Detail, Gloss},
+    reference::expression::Expression,
     transport::LightTransportSolution,
 };
 use std::sync::{
@@ -10,8 +11,11 @@ use std::sync::{
     mpsc::{Receiver, TryRecvError, channel},
 };
 
-/// A solution, how its movable objects shine, and which bounces are picked out.
-type How = (Same<LightTransportSolution>, Option<Gloss>, Option<Expression>);
+/// How movable objects shine, and how finely those that moved ask the volume; as the solution has it without.
+pub type Moving = (Option<Gloss>, Option<Detail>);
+
+/// A solution, how its movable objects are lit, and which bounces are picked out.
+type How = (Same<LightTransportSolution>, Moving, Option<Expression>);
 
 /// The light that is shown, and what is on its way.
 #[derive(Default)]
@@ -27,7 +31,7 @@ impl Shown {
         &mut self,
         ctx: &egui::Context,
         solution: &Arc<LightTransportSolution>,
-        gloss: Option<Gloss>,
+        moving: Moving,
         bounces: Option<&Expression>,
     ) -> Arc<Lit> {
         if let Some((how, receiver)) = self.coming.take() {
@@ -37,7 +41,7 @@ impl Shown {
                 Err(TryRecvError::Disconnected) => {}
             }
         }
-        let how = (Same(Some(solution.clone())), gloss, bounces.cloned());
+        let how = (Same(Some(solution.clone())), moving, bounces.cloned());
         if let Some((_, lit)) = self.known.as_ref().filter(|(known, _)| *known == how) {
             return lit.clone();
         }
@@ -45,10 +49,11 @@ impl Shown {
             let (solution, bounces) = (solution.clone(), bounces.cloned());
             move || {
                 let of_paths = bounces.and_then(|b| solution.with_paths(&b)).map(|(of_paths, _)| of_paths);
-                Lit::new(match (of_paths, gloss) {
-                    (Some(of_paths), _) => Arc::new(of_paths.with_gloss(gloss)),
-                    (None, Some(_)) => Arc::new(solution.with_gloss(gloss)),
-                    (None, None) => solution,
+                let lit = |s: &LightTransportSolution| Arc::new(s.with_gloss(moving.0).with_detail(moving.1));
+                Lit::new(match of_paths {
+                    Some(of_paths) => lit(&of_paths),
+                    None if moving == (None, None) => solution,
+                    None => lit(&solution),
                 })
             }
         };

@@ -8,6 +8,7 @@ pub mod number;
 pub mod placement_map;
 pub mod radial_plot;
 pub mod resolutions;
+mod shades;
 pub mod sphere_image;
 pub mod sphere_inspector;
 pub mod sphere_numbers;

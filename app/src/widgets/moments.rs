@@ -1,24 +1,34 @@
 //! Moments of the light at a point: a sphere an order, and the lobe each order weighs radiance with.
 
-use super::{
-    Probe,
-    sphere_image::{ImageSlot, SphereValues, draw, key},
-};
-use egui::{Color32, Rect, RichText, Sense, pos2, vec2};
+use super::sphere_image::{ImageSlot, SphereValues, draw, key};
+use egui::{Color32, DragValue, Rect, RichText, Sense, pos2, vec2};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 use glam::{Mat3, Vec3};
-use lumenscope_core::{irradiance_volume::moments::Order, math::part::Part};
-use std::sync::Arc;
+use lumenscope_core::{
+    irradiance_volume::moments::Order,
+    math::{part::Part, sphere_map::DirectionBins},
+};
 
 /// Angles a curve is drawn through, from −90° to 90°.
 const STEPS: i32 = 180;
 
-/// What is kept between frames.
-#[derive(Clone, Default)]
-pub struct State {
-    slots: Vec<ImageSlot>,
-    /// Values of every order, for the probe with this key.
-    values: Option<(u64, Arc<Vec<Vec<Vec3>>>)>,
+/// Moments at a point, made by the worker.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spheres {
+    /// Part of the light.
+    pub part: Part,
+    /// Each order with its moment towards every bin, lx.
+    pub of: Vec<(Order, Vec<Vec3>)>,
+}
+
+impl Spheres {
+    /// Orders that are shown, lowest first: those of the thesis, and one besides.
+    pub fn orders(besides: Option<Order>) -> Vec<Order> {
+        let mut orders: Vec<Order> = Order::THESIS.into_iter().chain(besides).collect();
+        orders.sort_unstable();
+        orders.dedup();
+        orders
+    }
 }
 
 /// How the spheres are drawn.
@@ -37,29 +47,35 @@ pub struct Look<'a> {
     pub colour: &'a dyn Fn(Vec3) -> [u8; 3],
 }
 
-/// Shows a sphere for each order of the thesis, above the weights.
-pub fn show(ui: &mut egui::Ui, state: &mut State, probe: &Probe, look: &Look<'_>) {
-    let values = match &state.values {
-        Some((of, values)) if *of == look.light_key => Arc::clone(values),
-        _ => {
-            let values: Vec<_> = Order::THESIS.map(|order| probe.moment(order, look.part)).into();
-            let values = Arc::new(values);
-            state.values = Some((look.light_key, Arc::clone(&values)));
-            values
-        }
+/// Shows a sphere for each order beside the lobe that it weighs radiance with.
+pub fn show(
+    ui: &mut egui::Ui,
+    slots: &mut Vec<ImageSlot>,
+    bins: DirectionBins,
+    spheres: Option<&Spheres>,
+    besides: &mut Option<Order>,
+    look: &Look<'_>,
+) {
+    order_besides(ui, besides);
+    let Some(spheres) =
+        spheres.filter(|s| s.part == look.part && s.of.iter().all(|m| m.1.len() == bins.len()))
+    else {
+        ui.label("Weighing the radiance of every bin for every order.");
+        return;
     };
-    let count = Order::THESIS.len();
-    state.slots.resize_with(count, ImageSlot::default);
+    let count = spheres.of.len();
+    slots.resize_with(count, ImageSlot::default);
     let gap = 6.0;
     let size = ((ui.available_width() - gap * count as f32) / count as f32).clamp(40.0, 130.0);
     ui.spacing_mut().item_spacing.x = gap;
     ui.horizontal_top(|ui| {
-        for ((order, values), slot) in Order::THESIS.into_iter().zip(values.iter()).zip(&mut state.slots) {
+        for ((order, values), slot) in spheres.of.iter().zip(slots) {
+            let order = *order;
             ui.vertical(|ui| {
                 ui.set_width(size);
                 ui.label(RichText::new(format!("n = {order}")).small().strong())
                     .on_hover_text(meaning(order));
-                let sphere = SphereValues { bins: probe.bins, values };
+                let sphere = SphereValues { bins, values };
                 let (rect, response) = ui.allocate_exact_size(vec2(size, size), Sense::hover());
                 response.widget_info(|| {
                     egui::WidgetInfo::labeled(egui::Role::Image, true, format!("moment of order {order}"))
@@ -75,12 +91,30 @@ pub fn show(ui: &mut egui::Ui, state: &mut State, probe: &Probe, look: &Look<'_>
             });
         }
     });
-    weights(ui);
+    weights(ui, spheres.of.iter().map(|m| m.0));
     ui.label(
         RichText::new("H(ω) = (n + 1)/2 ∫ L(ω') max(0, ω·ω')^n dω', lx: n = 1 is irradiance, ∞ is πL.")
             .small()
             .weak(),
     );
+}
+
+/// An order beside those of the thesis: 1 to 10,000.
+fn order_besides(ui: &mut egui::Ui, besides: &mut Option<Order>) {
+    ui.horizontal(|ui| {
+        let mut on = besides.is_some();
+        ui.checkbox(&mut on, "Another order")
+            .on_hover_text("A moment of any order beside those of the thesis");
+        let mut n = match *besides {
+            Some(Order::Finite(n)) => n,
+            _ => 30,
+        };
+        if on {
+            let number = ui.add(DragValue::new(&mut n).range(1..=Order::HIGHEST));
+            crate::panels::named(number, "Order of the moment");
+        }
+        *besides = on.then_some(Order::Finite(n));
+    });
 }
 
 fn meaning(order: Order) -> &'static str {
@@ -92,7 +126,7 @@ fn meaning(order: Order) -> &'static str {
 }
 
 /// The weight of radiance by its angle from ω, each curve scaled to 1 in its middle.
-fn weights(ui: &mut egui::Ui) {
+fn weights(ui: &mut egui::Ui, orders: impl Iterator<Item = Order>) {
     let height = (0.45 * ui.available_width()).clamp(90.0, 170.0);
     Plot::new("weights of moments")
         .height(height)
@@ -104,7 +138,7 @@ fn weights(ui: &mut egui::Ui) {
         .y_axis_label("weight / largest")
         .legend(Legend::default())
         .show(ui, |plot| {
-            for order in Order::THESIS {
+            for order in orders {
                 plot.line(Line::new(format!("n = {order}"), PlotPoints::from(curve(order))).width(1.6));
             }
         });

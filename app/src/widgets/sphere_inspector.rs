@@ -4,6 +4,7 @@ use super::{
     Probe, legend, moments,
     radial_plot::{self, Plane},
     resolutions,
+    shades::{Light, Shades},
     sphere_image::{self, ImageSlot, SphereValues, key},
     sphere_numbers::SphereNumbers,
     sphere_pair::{self, Ball, Turn},
@@ -18,16 +19,9 @@ use egui::Ui;
 use glam::Vec3;
 use lumenscope_core::{
     inspection::Legend,
-    irradiance_volume::{lobe, probe::Quantity},
-    math::{
-        colour::{Channel, srgb8},
-        false_colour::FalseColour,
-        part::Part,
-        sphere_map::DirectionBins,
-    },
-    superposition::composite::{Display, ToneCurve},
+    irradiance_volume::{lobe, moments::Order},
+    math::{colour::Channel, part::Part},
 };
-use std::f32::consts::FRAC_1_PI;
 
 /// Most rows of bins a hemisphere: those of the thesis's finest spheres.
 const MOST_ROWS: u32 = 49;
@@ -61,11 +55,17 @@ struct Memory {
     squares: [ImageSlot; 2],
     lobe: ImageSlot,
     resolutions: Vec<ImageSlot>,
-    moments: moments::State,
+    moments: Vec<ImageSlot>,
 }
 
 /// Shows the open spheres; `None` invites to click a point.
-pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &View) -> Vec<Command> {
+pub fn show(
+    ui: &mut Ui,
+    probe: Option<&Probe>,
+    resolutions: &[Probe],
+    moments: Option<&moments::Spheres>,
+    view: &View,
+) -> Vec<Command> {
     let Some(probe) = probe else {
         empty(ui);
         return Vec::new();
@@ -80,14 +80,14 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &Vi
         return out;
     };
     let shades = Shades::new(&light, memory.false_colour, memory.channel);
-    let shown = Opened { probe, light: &light, shades: &shades, view, resolutions };
+    let shown = Opened { probe, light: &light, shades: &shades, view, resolutions, moments };
     ui.separator();
     let room = ui.available_width();
     if room > 620.0 {
         ui.horizontal_top(|ui| {
             balls(ui, &mut memory, &shown, 168.0);
             ui.separator();
-            ui.vertical(|ui| tabs(ui, &mut memory, &shown));
+            ui.vertical(|ui| tabs(ui, &mut memory, &shown, &mut wanted.probe_order));
         });
     } else {
         // A tall tab leaves less for the balls above it.
@@ -95,9 +95,10 @@ pub fn show(ui: &mut Ui, probe: Option<&Probe>, resolutions: &[Probe], view: &Vi
         let size = (0.5 * (room - 12.0)).clamp(90.0, largest);
         balls(ui, &mut memory, &shown, size);
         ui.separator();
-        tabs(ui, &mut memory, &shown);
+        tabs(ui, &mut memory, &shown, &mut wanted.probe_order);
     }
     wanted.probe_resolutions = memory.tab == Tab::Resolutions;
+    wanted.probe_moments = memory.tab == Tab::Moments;
     ui.data_mut(|d| d.insert_temp(id, memory));
     out.extend(commands(view, wanted));
     out
@@ -110,6 +111,7 @@ struct Opened<'a> {
     shades: &'a Shades,
     view: &'a View,
     resolutions: &'a [Probe],
+    moments: Option<&'a moments::Spheres>,
 }
 
 fn commands(view: &View, wanted: View) -> Vec<Command> {
@@ -152,8 +154,8 @@ fn controls(ui: &mut Ui, memory: &mut Memory, view: &mut View) -> Vec<Command> {
         ui.checkbox(&mut memory.false_colour, "False colour")
             .on_hover_text("Values by palette, with a legend");
         let export = ui.button("EXR…").on_hover_text(
-            "Export radiance and irradiance, all, direct and indirect, as OpenEXR: an environment map that \
-             any viewer shows, and every bin",
+            "Export radiance and irradiance, all, direct and indirect, and the moments that are open, as OpenEXR: \
+             an environment map that any viewer shows, and every bin",
         );
         if export.clicked() {
             out.push(Command::Dialog(Dialog::Export(Export::Spheres)));
@@ -258,7 +260,7 @@ fn balls(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, size: f32) {
     });
 }
 
-fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
+fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, order: &mut Option<Order>) {
     ui.horizontal_wrapped(|ui| {
         for (tab, name, meaning) in [
             (
@@ -280,7 +282,7 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
             ui.selectable_value(&mut memory.irradiance, true, "E").on_hover_text(IRRADIANCE);
         }
     });
-    let Opened { probe, light, shades, view, resolutions: probes } = *shown;
+    let Opened { probe, light, shades, view, resolutions: probes, moments: spheres } = *shown;
     let (values, unit) =
         if memory.irradiance { (light.irradiance(), "lx") } else { (light.radiance(), "cd/m²") };
     let colour = |v: Vec3| if memory.irradiance { shades.irradiance(v) } else { shades.radiance(v) };
@@ -327,7 +329,7 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>) {
                 picture_key: key((memory.false_colour, memory.channel)),
                 colour: &|v| shades.irradiance(v),
             };
-            moments::show(ui, &mut memory.moments, probe, &look);
+            moments::show(ui, &mut memory.moments, probe.bins, spheres, order, &look);
         }
         Tab::Numbers => {
             value_table::show(ui, "sphere numbers", &SphereNumbers::new(&light.irradiance()).rows());
@@ -374,82 +376,4 @@ fn lobe_tab(
         .small()
         .weak(),
     );
-}
-
-/// One part of a probe's light.
-struct Light {
-    bins: DirectionBins,
-    radiance: Vec<Vec3>,
-    irradiance: Vec<Vec3>,
-    key: u64,
-}
-
-impl Light {
-    fn new(probe: &Probe, part: Part) -> Option<Self> {
-        let bins = probe.bins;
-        let radiance = probe.values(Quantity::Radiance, part);
-        let irradiance = probe.values(Quantity::Irradiance, part);
-        if radiance.len() != bins.len() || irradiance.len() != bins.len() {
-            return None;
-        }
-        let bits: Vec<[u32; 3]> =
-            radiance.iter().chain(&irradiance).map(|v| v.to_array().map(f32::to_bits)).collect();
-        Some(Self { bins, radiance, irradiance, key: key((bins.n(), bits)) })
-    }
-
-    fn radiance(&self) -> SphereValues<'_> {
-        SphereValues { bins: self.bins, values: &self.radiance }
-    }
-
-    fn irradiance(&self) -> SphereValues<'_> {
-        SphereValues { bins: self.bins, values: &self.irradiance }
-    }
-}
-
-/// How values become colours.
-struct Shades {
-    display: Display,
-    channel: Channel,
-    palettes: Option<[FalseColour; 2]>,
-}
-
-impl Shades {
-    fn new(light: &Light, false_colour: bool, channel: Channel) -> Self {
-        let measure = |v: &Vec3| channel.measure(*v);
-        let largest = |values: &[Vec3]| values.iter().map(measure).fold(0.0f32, f32::max).max(1e-6);
-        let white = largest(&light.irradiance) * FRAC_1_PI * 1.6;
-        let display = Display { ev100: (white / 1.2).log2(), tone: ToneCurve::Filmic, false_colour: None };
-        let palette = |high: f32| FalseColour {
-            palette: Default::default(),
-            low: 0.0,
-            high: if high > 0.0 { high } else { 1.0 },
-            logarithmic: false,
-        };
-        let mut sorted: Vec<f32> = light.radiance.iter().map(measure).collect();
-        sorted.sort_by(f32::total_cmp);
-        // The lamps' own radiance is far above everything else: let them run off the end.
-        let most = sorted.get(sorted.len() * 97 / 100).copied().unwrap_or(0.0) * 1.25;
-        let high = if most > 0.0 { most } else { largest(&light.radiance) };
-        let palettes = false_colour.then(|| [palette(high), palette(largest(&light.irradiance))]);
-        Self { display, channel, palettes }
-    }
-
-    fn radiance(&self, value: Vec3) -> [u8; 3] {
-        match &self.palettes {
-            Some([palette, _]) => srgb8(palette.colour(self.channel.measure(value))),
-            None => self.exposed(value),
-        }
-    }
-
-    fn irradiance(&self, value: Vec3) -> [u8; 3] {
-        match &self.palettes {
-            Some([_, palette]) => srgb8(palette.colour(self.channel.measure(value))),
-            None => self.exposed(value * FRAC_1_PI),
-        }
-    }
-
-    fn exposed(&self, radiance: Vec3) -> [u8; 3] {
-        let [r, g, b, _] = self.display.pixel(self.channel.of(radiance));
-        [r, g, b]
-    }
 }

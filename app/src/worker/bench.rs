@@ -316,8 +316,8 @@ impl Bench {
         let sampled = self.job("Sampling the spheres", Rank::Probe, |_, progress| {
             pipeline::probe(&solution, request, progress)
         });
-        if let Some((probe, resolutions)) = sampled {
-            self.tell(News::Probe(Arc::new(probe), resolutions));
+        if let Some((probe, resolutions, moments)) = sampled {
+            self.tell(News::Probe(Arc::new(probe), resolutions, moments));
         }
     }
 

@@ -119,6 +119,27 @@ fn encoded(part: &Part<'_>) -> Result<ExrPart<AnyChannels<FlatSamples>>, String>
 /// [`IoError::Read`] naming the file and the cause, for anything that is not a whole EXR file with
 /// at least one such layer.
 pub fn read_layers(path: &Path) -> Result<Vec<(String, LinearImage)>, IoError> {
+    Ok(read_all(path)?.into_iter().map(|found| (found.name, found.image)).collect())
+}
+
+/// The first RGB layer of a file, and whether it says that it is a latitude–longitude map.
+///
+/// # Errors
+/// Those of [`read_layers`].
+pub fn read_first(path: &Path) -> Result<(LinearImage, bool), IoError> {
+    let first = read_all(path)?.into_iter().next();
+    let first = first.ok_or_else(|| IoError::read(path, "it has no layer"))?;
+    Ok((first.image, first.is_environment))
+}
+
+/// A layer as it was read.
+struct Found {
+    name: String,
+    image: LinearImage,
+    is_environment: bool,
+}
+
+fn read_all(path: &Path) -> Result<Vec<Found>, IoError> {
     let bytes = std::fs::read(path).map_err(|cause| IoError::read(path, cause))?;
     // No damage tried in the tests makes the decoder panic; should some other, it becomes an error too.
     catch_unwind(AssertUnwindSafe(|| decode(&bytes)))
@@ -126,7 +147,7 @@ pub fn read_layers(path: &Path) -> Result<Vec<(String, LinearImage)>, IoError> {
         .map_err(|cause| IoError::read(path, cause))
 }
 
-fn decode(bytes: &[u8]) -> Result<Vec<(String, LinearImage)>, String> {
+fn decode(bytes: &[u8]) -> Result<Vec<Found>, String> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
     let promised = meta.headers.iter().fold(0u64, |sum, header| {
         let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
@@ -173,7 +194,10 @@ fn decode(bytes: &[u8]) -> Result<Vec<(String, LinearImage)>, String> {
         named.sort_by_key(|(name, _)| rank(name));
         for (name, channels) in named {
             if let [Some(r), Some(g), Some(b)] = channels {
-                layers.push((name, image_from([r, g, b], size.0, size.1)));
+                let image = image_from([r, g, b], size.0, size.1);
+                let map = part.attributes.environment_map;
+                let is_environment = map == Some(EnvironmentMap::LatitudeLongitude);
+                layers.push(Found { name, image, is_environment });
             }
         }
     }

@@ -3,16 +3,20 @@
 //! Two parts. `latitude_longitude` is an environment map by OpenEXR's convention, its `R`, `G`, `B` the
 //! radiance. `direction_bins` holds each bin exactly once: the upper hemisphere's square on the left, the
 //! lower one's on the right. The layers of both are `radiance_all_cd_per_m2`, `irradiance_direct_lx` and so
-//! on; attributes say the position, the mapping and the measure.
+//! on, those of moments `moment_4_all_lx`; attributes say the position, the mapping and the measure.
 
 use super::{
     IoError,
     exr::{Part as ExrPart, write_parts},
 };
 use crate::{
-    irradiance_volume::probe::{Probe, Quantity},
+    irradiance_volume::{
+        moments::Order,
+        probe::{Probe, Quantity},
+    },
     math::{image::LinearImage, part::Part, sphere_values::SphereValues},
 };
+use glam::Vec3;
 use std::path::Path;
 
 /// Rows of the map for each row of bins: a bin is at least three pixels wide at the equator.
@@ -28,17 +32,28 @@ pub const LAYERS: [(&str, Quantity, Part); 6] = [
     ("irradiance_indirect_lx", Quantity::Irradiance, Part::Indirect),
 ];
 
-/// Writes a probe; `smooth` interpolates the map between bins, the bins themselves stay.
+/// Parts of a moment that a file holds, with their names.
+const PARTS: [(&str, Part); 3] = [("all", Part::All), ("direct", Part::Direct), ("indirect", Part::Indirect)];
+
+/// Writes a probe and its moments of these orders; `smooth` interpolates the map between bins, the bins
+/// themselves stay.
 ///
 /// # Errors
 /// [`IoError::Write`] naming the file and the cause.
-pub fn write_probe(path: &Path, probe: &Probe, smooth: bool) -> Result<(), IoError> {
+pub fn write_probe(path: &Path, probe: &Probe, orders: &[Order], smooth: bool) -> Result<(), IoError> {
     let (n, [x, y, z]) = (probe.bins.n(), probe.position.to_array());
-    let images = |draw: &dyn Fn(SphereValues<'_>) -> LinearImage| {
-        LAYERS.map(|(name, quantity, part)| {
-            let values = probe.values(quantity, part);
-            (name, draw(SphereValues { bins: probe.bins, values: &values }))
-        })
+    let mut spheres: Vec<(String, Vec<Vec3>)> = LAYERS
+        .iter()
+        .map(|&(name, quantity, part)| (name.to_owned(), probe.values(quantity, part)))
+        .collect();
+    for &order in orders {
+        spheres.extend(PARTS.map(|(name, part)| {
+            (format!("moment_{}_{name}_lx", String::from(order)), probe.moment(order, part))
+        }));
+    }
+    let images = |draw: &dyn Fn(SphereValues<'_>) -> LinearImage| -> Vec<(&str, LinearImage)> {
+        let image = |values: &Vec<Vec3>| draw(SphereValues { bins: probe.bins, values });
+        spheres.iter().map(|(name, values)| (name.as_str(), image(values))).collect()
     };
     let bins = images(&|sphere| sphere.unfolded());
     let maps = images(&|sphere| sphere.map((ROWS_A_BIN * n).max(90), smooth));
@@ -48,7 +63,8 @@ pub fn write_probe(path: &Path, probe: &Probe, smooth: bool) -> Result<(), IoErr
             (
                 "quantities",
                 "radiance L(w) in cd/m2 from direction w; irradiance E(n) in lx of a plane facing n, \
-              E(n) = integral of L(w) max(0, n.w) dw; lamps without a surface only in E"
+              E(n) = integral of L(w) max(0, n.w) dw; lamps without a surface only in E; moment of order k in lx, \
+              H(w) = (k + 1)/2 integral of L(v) max(0, w.v)^k dv"
                     .into(),
             ),
             ("colour", "linear RGB, Rec. 709 primaries; luminance 0.2126 R + 0.7152 G + 0.0722 B".into()),

@@ -14,7 +14,7 @@
 
 use super::{
     SurfaceLight, VolumeError, VolumeSettings,
-    grid::{BilevelGrid, trilinear},
+    grid::{BilevelGrid, NONE, trilinear},
     probe::Probe,
     rays::Targets,
 };
@@ -113,7 +113,8 @@ pub fn cell_errors(
     Ok((0..size.element_product()).into_par_iter().map(error).collect())
 }
 
-/// The cells over a tolerance, worst first, as long as the grid stays within `target_samples`.
+/// The grid whose cells over a tolerance are divided, worst first, as long as it stays within
+/// `target_samples`; and with `refine_geometry` those with geometry before them.
 ///
 /// # Errors
 /// [`VolumeError`] for settings out of range, bounds that are not finite, and cancellation.
@@ -124,13 +125,20 @@ pub fn grid(
     tolerance: f32,
     progress: &Progress,
 ) -> Result<BilevelGrid, VolumeError> {
-    let by_geometry = settings.grid(world)?;
+    let by_geometry = if settings.refine_geometry {
+        let target_samples = (settings.target_samples / 2).max(8);
+        VolumeSettings { target_samples, ..settings.clone() }.grid(world)?
+    } else {
+        settings.grid(world)?
+    };
     let errors = cell_errors(world, light, settings, &by_geometry, progress)?;
-    let mut order: Vec<usize> = (0..errors.len()).filter(|&c| errors[c] > tolerance).collect();
+    let held: Vec<bool> =
+        by_geometry.second().iter().map(|s| settings.refine_geometry && *s != NONE).collect();
+    let mut order: Vec<usize> = (0..errors.len()).filter(|&c| errors[c] > tolerance && !held[c]).collect();
     order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
     let (low, high) = by_geometry.bounds();
     let make = |count: usize| {
-        let mut flags = vec![false; errors.len()];
+        let mut flags = held.clone();
         order[..count].iter().for_each(|&c| flags[c] = true);
         BilevelGrid::new(low, high, by_geometry.size() + UVec3::ONE, settings.second_level, &flags)
     };

@@ -5,26 +5,14 @@
 //! however many triangles share it, and on a triangle that is large against the volume's cells a lattice
 //! of further nodes, for a table top has four vertices and light varies between them. Between two nodes
 //! nothing is missed that the volume, itself linear inside a cell, could tell.
-//!
-//! What an object hides from itself it precomputes (§5.1.3, §6.1.3): each node has the share V of its
-//! cosine-weighted hemisphere that the object leaves open, and its indirect light is taken as V E_volume.
-//! Limits: the hidden part of the hemisphere counts as black, although it sends back some of what falls on
-//! it (a lit bowl brightens itself), and as average in what it would have shown.
+//! What an object hides from itself it precomputes: [`self_occlusion`](super::self_occlusion).
 
-use super::{IrradianceVolume, moments::Order};
+pub use super::detail::{Detail, Gloss};
+
+use super::IrradianceVolume;
 use crate::{
-    math::{
-        frame::{cosine_direction, frame_from_normal, mirrored},
-        part::Part,
-        random::{hash2, r2_point},
-    },
-    scene::{
-        Scene,
-        accel::Ray,
-        geometry::{Geometry, offset_origin},
-        mesh::Mesh,
-        world::World,
-    },
+    math::part::Part,
+    scene::{Scene, geometry::Geometry, mesh::Mesh},
 };
 use glam::{IVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -34,48 +22,8 @@ use std::collections::{BTreeMap, HashMap};
 const MOST_STEPS: u32 = 24;
 /// Nodes of an object's lattices at most: beyond, the lattices are coarser.
 const MOST_NODES: usize = 60_000;
-/// Rays an object's self-occlusion takes, about, and the bounds of those of one node.
-const OCCLUSION_RAYS: usize = 600_000;
-const NODE_RAYS: [u32; 2] = [48, 512];
-/// Nodes at most that are asked one by one what they hide.
-const MOST_OCCLUDED: usize = 12_000;
 /// Clusters of the coarse level along the diagonal of the object.
 const CLUSTERS: f32 = 18.0;
-
-/// How finely a dynamic object asks the volume.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
-)]
-pub enum Detail {
-    /// At a few of the vertices; the others blend their neighbours. For objects of many vertices in motion.
-    Coarse,
-    /// At every vertex; triangles blend their corners.
-    Vertices,
-    /// At every node, so that large triangles show what happens inside them.
-    #[default]
-    Fine,
-}
-
-/// How objects that may be moved shine: by a moment of the volume, seen from somewhere (Greger 1996, §4.4 and
-/// Fig. 4.18).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gloss {
-    /// Order of the moment; 1 is diffuse.
-    pub order: Order,
-    /// Where the eye is, m.
-    pub eye: Vec3,
-}
-
-impl Gloss {
-    /// The direction a surface asks the volume about: its normal at order 1, else the view vector mirrored at
-    /// it.
-    pub fn towards(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        if self.order == Order::IRRADIANCE {
-            return normal;
-        }
-        mirrored((self.eye - position).normalize_or(normal), normal)
-    }
-}
 
 /// What an object needs to be lit from the volume, wherever it stands.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,9 +41,9 @@ pub struct DynamicObject {
     /// and on its back: V in [0, 1].
     pub open: Vec<[f32; 2]>,
     /// Vertices that the coarse level asks.
-    asked: Vec<u32>,
+    pub(super) asked: Vec<u32>,
     /// Of each vertex, entries in `asked` and their weights, which sum to 1.
-    blends: Vec<[(u32, f32); 4]>,
+    pub(super) blends: Vec<[(u32, f32); 4]>,
 }
 
 /// Entries of a lattice of `steps` steps an edge.
@@ -104,7 +52,7 @@ pub fn lattice_len(steps: u32) -> u32 {
 }
 
 /// Number of lattice entry (i, j), i + j ≤ m.
-fn entry(steps: u32, i: u32, j: u32) -> u32 {
+pub(super) fn entry(steps: u32, i: u32, j: u32) -> u32 {
     j * (steps + 1) - j * j.wrapping_sub(1) / 2 + i
 }
 
@@ -159,20 +107,23 @@ impl DynamicObject {
         made
     }
 
-    /// One node a vertex of the object's meshes; `nodes` holds those of the corners for now.
+    /// One node a vertex of the object's meshes, those apart in texture alone counted once; `nodes` holds those
+    /// of the corners for now.
     fn add_vertices(&mut self, meshes: &[&Mesh]) {
         const CORNERS: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
         for mesh in meshes {
-            let mut of_vertex = vec![u32::MAX; mesh.positions.len()];
+            let mut of_vertex: HashMap<[[u32; 3]; 2], u32> = HashMap::new();
             for corners in &mesh.triangles {
                 let triangle = self.nodes.len() as u32 / 3;
                 for (corner, vertex) in corners.iter().enumerate() {
-                    let node = &mut of_vertex[*vertex as usize];
-                    if *node == u32::MAX {
-                        *node = self.places.len() as u32;
-                        self.places.push((triangle, CORNERS[corner]));
-                    }
-                    self.nodes.push(*node);
+                    let (p, n) = (mesh.positions[*vertex as usize], mesh.normals[*vertex as usize]);
+                    let node = *of_vertex
+                        .entry([p, n].map(|v| (v + Vec3::ZERO).to_array().map(f32::to_bits)))
+                        .or_insert_with(|| {
+                            self.places.push((triangle, CORNERS[corner]));
+                            self.places.len() as u32 - 1
+                        });
+                    self.nodes.push(node);
                 }
             }
         }
@@ -247,67 +198,8 @@ impl DynamicObject {
             .collect();
     }
 
-    /// Precomputes what the object hides from itself: V = ∫ visible cos θ dω / π at every node, or, in an
-    /// object of very many, at those of the coarse level.
-    ///
-    /// # Panics
-    /// If the object is not movable in `world`.
-    pub fn occlude(&mut self, world: &World, object: usize, seed: u64) {
-        let geometry = &world.geometry;
-        let first = geometry.object_triangles[object].start;
-        let [least, most] = NODE_RAYS;
-        let each = |node: usize, rays: u32| {
-            let (triangle, _) = self.places[node];
-            let (position, normal) = self.place(geometry, first, node);
-            let front = geometry.area_normal(first + triangle).normalize_or(Vec3::Y);
-            let scramble = hash2(node as u32, seed as u32);
-            let two_sided = geometry.material_of(first + triangle).double_sided;
-            [1.0f32, -1.0].map(|side| {
-                if side < 0.0 && !two_sided {
-                    return 1.0;
-                }
-                // Nodes lie on edges and corners: a little inwards, off the triangles that meet there, and
-                // up by so little more that it stays on this side of all but the narrowest grooves.
-                let inward = 1e-3 * (self.middle(geometry, first, triangle) - position);
-                let start = position + inward + front * (side * 0.02 * inward.length());
-                let origin = offset_origin(start, front * side);
-                let frame = frame_from_normal(normal * side);
-                let open = (0..rays).filter(|&ray| {
-                    let direction = frame * cosine_direction(r2_point(ray, scramble));
-                    // Below the plane of its own triangle, a smooth normal sees no object but the surface.
-                    direction.dot(front) * side <= 0.0
-                        || !world.accel.occluded_by(object as u32, &Ray::new(origin, direction))
-                });
-                open.count() as f32 / rays as f32
-            })
-        };
-        let rays = |nodes: usize| ((OCCLUSION_RAYS / nodes.max(1)) as u32).clamp(least, most);
-        let count = self.places.len();
-        if count <= MOST_OCCLUDED {
-            self.open = (0..count).into_par_iter().map(|node| each(node, rays(count))).collect();
-            return;
-        }
-        // Too many to ask each: those of the coarse level, blended as their light is.
-        let count = self.asked.len();
-        let asked: Vec<[f32; 2]> = self.asked.par_iter().map(|&v| each(v as usize, rays(count))).collect();
-        let blend = |b: &[(u32, f32); 4]| -> [f32; 2] {
-            std::array::from_fn(|side| b.iter().map(|&(entry, w)| asked[entry as usize][side] * w).sum())
-        };
-        let mut open: Vec<[f32; 2]> = self.blends.iter().map(blend).collect();
-        for &(triangle, Vec2 { x: u, y: v }) in &self.places[self.vertices..] {
-            let [a, b, c]: [[f32; 2]; 3] = std::array::from_fn(|i| open[self.corner(triangle, i) as usize]);
-            open.push(std::array::from_fn(|s| a[s] * (1.0 - u - v) + b[s] * u + c[s] * v));
-        }
-        self.open = open;
-    }
-
-    fn middle(&self, geometry: &Geometry, first: u32, triangle: u32) -> Vec3 {
-        let [a, b, c] = geometry.positions[(first + triangle) as usize];
-        (a + b + c) / 3.0
-    }
-
     /// Position and unit normal of a node where the object stands now.
-    fn place(&self, geometry: &Geometry, first: u32, node: usize) -> (Vec3, Vec3) {
+    pub(super) fn place(&self, geometry: &Geometry, first: u32, node: usize) -> (Vec3, Vec3) {
         let (triangle, Vec2 { x: u, y: v }) = self.places[node];
         let t = (first + triangle) as usize;
         let mix = |[a, b, c]: [Vec3; 3]| a * (1.0 - u - v) + b * u + c * v;
@@ -319,7 +211,7 @@ impl DynamicObject {
         match detail {
             Detail::Coarse => self.asked.len(),
             Detail::Vertices => self.vertices,
-            Detail::Fine => self.places.len(),
+            Detail::Fine | Detail::Pixels => self.places.len(),
         }
     }
 
@@ -386,7 +278,7 @@ impl DynamicObject {
         };
         let all = |nodes: usize| -> Vec<Vec3> { (0..nodes).into_par_iter().map(ask).collect() };
         let mut light = match detail {
-            Detail::Fine => all(self.places.len()),
+            Detail::Fine | Detail::Pixels => all(self.places.len()),
             Detail::Vertices => all(self.vertices),
             Detail::Coarse => {
                 let asked: Vec<Vec3> = self.asked.par_iter().map(|&v| ask(v as usize)).collect();
@@ -404,16 +296,8 @@ impl DynamicObject {
     }
 
     /// Vertex at a corner of a triangle.
-    fn corner(&self, triangle: u32, corner: usize) -> u32 {
+    pub(super) fn corner(&self, triangle: u32, corner: usize) -> u32 {
         self.nodes[3 * triangle as usize + corner]
-    }
-
-    /// Share of the hemisphere over a point of a triangle that the object leaves open.
-    pub fn open_at(&self, triangle: u32, barycentric: Vec2, back: bool) -> f32 {
-        let (first, steps) = self.lattices[triangle as usize];
-        let (entries, weights) = lattice_blend(steps, barycentric);
-        let of = |entry: u32| self.open[self.nodes[(first + entry) as usize] as usize][usize::from(back)];
-        (0..3).map(|i| of(entries[i]) * weights[i]).sum()
     }
 
     /// Bytes held.

@@ -7,7 +7,7 @@ use super::{
     codec::Texel,
     directions::Directions,
     grid::{BilevelGrid, NONE},
-    moments::{MomentTable, Order},
+    moments::{MomentTable, beside_irradiance},
     trust::SampleState,
 };
 use crate::math::sphere_map::DirectionBins;
@@ -47,7 +47,7 @@ impl IrradianceVolume {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(checksum(&body).to_le_bytes());
         bytes.extend(body);
-        std::fs::write(path, bytes).map_err(|source| VolumeError::File { path: path.into(), source })
+        std::fs::write(path, bytes).map_err(|cause| VolumeError::File { path: path.into(), cause })
     }
 
     /// Reads a volume. It answers queries and shows its samples; it cannot be relit.
@@ -56,7 +56,7 @@ impl IrradianceVolume {
     /// [`VolumeError::File`] when it cannot be read, [`VolumeError::Format`] when it is something else,
     /// cut short or damaged.
     pub fn load(path: &Path) -> Result<Self, VolumeError> {
-        let bytes = std::fs::read(path).map_err(|source| VolumeError::File { path: path.into(), source })?;
+        let bytes = std::fs::read(path).map_err(|cause| VolumeError::File { path: path.into(), cause })?;
         parse(&bytes).map_err(|reason| VolumeError::Format { path: path.into(), reason })
     }
 }
@@ -80,18 +80,39 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     let (low, high) = (corner()?, corner()?);
     let mut axis = || -> Result<u32, String> { Ok(u32::from_le_bytes(array(&mut rest)?)) };
     let size = UVec3::new(axis()?, axis()?, axis()?);
-    if size.min_element() == 0 || size.max_element() > 200 || !(high.cmpgt(low).all()) {
+    let extent = high - low;
+    if size.min_element() == 0
+        || size.max_element() > 200
+        || !(extent.is_finite() && extent.min_element() > 0.0)
+    {
         return Err(format!("a grid of {size} cells from {low} m to {high} m"));
     }
+    settings.check_cells(size).map_err(|e| e.to_string())?;
+    // Before anything is made room for, the file holds what it promises.
+    let tables = 1 + beside_irradiance(&settings.moments).len();
+    let a_sample = 17 + 12 * DirectionBins::new(settings.bins_n).len() * tables;
+    let enough = |samples: usize, rest: &[u8]| {
+        let needed = samples as u64 * a_sample as u64;
+        if rest.len() as u64 >= needed {
+            Ok(())
+        } else {
+            Err(format!("{samples} samples need {needed} bytes, it has {}", rest.len()))
+        }
+    };
+    enough((size + UVec3::ONE).element_product() as usize, rest)?;
     let flags = take(&mut rest, size.element_product() as usize)?.iter().map(|&f| f != 0);
     let flags: Vec<bool> = flags.collect();
     let mut grid = BilevelGrid::new(low, high, size + UVec3::ONE, settings.second_level, &flags);
+    enough(grid.places().len(), rest)?;
     let mut samples = Vec::with_capacity(grid.places().len());
     for place in grid.places() {
         let back_face_fraction = f32_of(&mut rest)?;
         let [state] = array(&mut rest)?;
         let state = *SampleState::ALL.get(usize::from(state)).ok_or(format!("a sample in state {state}"))?;
         let position = Vec3::new(f32_of(&mut rest)?, f32_of(&mut rest)?, f32_of(&mut rest)?);
+        if !(position.is_finite() && back_face_fraction.is_finite()) {
+            return Err(format!("a sample at {position} m"));
+        }
         let valid = state != SampleState::Masked;
         samples.push(Sample { position, level: place.level, back_face_fraction, valid, state });
     }
@@ -103,13 +124,14 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         Ok(raw.chunks_exact(6).map(|t| [code(t, 0), code(t, 1), code(t, 2), 0]).collect())
     };
     let mut tables = Tables::new(bins, Arc::new(table()?), Arc::new(table()?));
-    for &order in settings.moments.iter().filter(|o| **o != Order::IRRADIANCE) {
+    for order in beside_irradiance(&settings.moments) {
         let (direct, indirect) = (Arc::new(table()?), Arc::new(table()?));
         tables.moments.push(MomentTable { order, direct, indirect });
     }
     if !rest.is_empty() {
         return Err(format!("{} bytes too many", rest.len()));
     }
+    let ages = Arc::new(vec![0; samples.len()]);
     Ok(IrradianceVolume {
         settings,
         grid: Arc::new(grid),
@@ -120,7 +142,7 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
         kernels: Arc::default(),
         fills: Arc::default(),
         guard: None,
-        relights: 0,
+        ages,
         tables,
     })
 }

@@ -4,8 +4,14 @@
 //! the light in a bin came from.
 
 use super::{
-    IrradianceVolume, Sample, Tables, VolumeError, VolumeSettings, cache::Solver, direct::Arrivals,
-    directions::Directions, grid::BilevelGrid,
+    IrradianceVolume, Sample, Tables, VolumeError, VolumeSettings,
+    cache::Solver,
+    direct::Arrivals,
+    directions::Directions,
+    grid::BilevelGrid,
+    ignored::Ignored,
+    moments::{MomentKernel, beside_irradiance, light_moment},
+    trust::Fills,
 };
 use crate::{
     math::{
@@ -27,6 +33,15 @@ use std::sync::{
 /// err by less than what it is compared with.
 const REFERENCE_DIRECT_SAMPLES: u32 = 256;
 
+/// Radiance that comes to each sample from each bin, cd/m².
+#[derive(Default)]
+pub(super) struct Radiance {
+    /// After at least one bounce.
+    pub reflected: Vec<Vec<Vec3>>,
+    /// Straight from emitters that are seen: what the moment of order ∞ shows of them.
+    pub emitted: Vec<Vec<Vec3>>,
+}
+
 impl IrradianceVolume {
     /// The volume that another one approximates: at the same samples and in the same bins, what comes
     /// after a bounce by path tracing, `paths` through random points of each bin, and direct light by 256
@@ -47,28 +62,33 @@ impl IrradianceVolume {
         let tracer = PathTracer::new(world);
         let done = AtomicUsize::new(0);
         let count = self.samples.len();
-        let radiance: Vec<Vec<Vec3>> = (0..count)
+        let (reflected, emitted) = (0..count)
             .into_par_iter()
             .map(|s| {
                 progress.report(0.95 * done.fetch_add(1, Ordering::Relaxed) as f32 / count as f32)?;
-                let mut radiance = vec![Vec3::ZERO; bins.len()];
-                for (bin, radiance) in radiance.iter_mut().enumerate() {
+                let mut radiance = [vec![Vec3::ZERO; bins.len()], vec![Vec3::ZERO; bins.len()]];
+                for bin in 0..bins.len() {
                     let item = (s * bins.len() + bin) as u64;
                     let mut rng = Rng::new(seed ^ 0x0F0E_D5A3, item);
                     let scramble = hash2(item as u32, seed as u32 ^ (item >> 32) as u32);
                     for k in 0..paths {
                         let direction = bins.direction(bin, r2_point(k, scramble));
                         let ray = Ray::new(self.samples[s].position, direction);
-                        let reflected = tracer.radiance(&ray, &mut rng).reflected();
-                        *radiance += if reflected.is_finite() { reflected } else { Vec3::ZERO };
+                        let found = tracer.radiance(&ray, &mut rng);
+                        for (sum, value) in radiance.iter_mut().zip([found.reflected(), found.emitted]) {
+                            sum[bin] += if value.is_finite() { value / paths as f32 } else { Vec3::ZERO };
+                        }
                     }
-                    *radiance /= paths as f32;
                 }
-                Ok(radiance)
+                let [reflected, emitted] = radiance;
+                Ok((reflected, emitted))
             })
-            .collect::<Result<_, VolumeError>>()?;
+            .collect::<Result<Vec<_>, VolumeError>>()?
+            .into_iter()
+            .unzip();
         let settings = VolumeSettings {
             direct_samples: self.settings.direct_samples.max(REFERENCE_DIRECT_SAMPLES),
+            ignored: Ignored::default(),
             ..self.settings.clone()
         };
         let positions: Vec<Vec3> = self.samples.iter().map(|s| s.position).collect();
@@ -80,24 +100,44 @@ impl IrradianceVolume {
             .collect();
         progress.report(1.0)?;
         let guard = settings.guard.then_some(world);
+        let radiance = Radiance { reflected, emitted };
         Ok(Self::given(settings, self.grid.clone(), self.samples.clone(), arrivals, &radiance)
             .with_guard(guard))
     }
 
-    /// A volume of radiance that is given, cd/m², one value a bin of every sample.
+    /// A volume of radiance that is given; dilated samples are filled from their neighbours whatever it says
+    /// of them.
     pub(super) fn given(
         settings: VolumeSettings,
         grid: Arc<BilevelGrid>,
         samples: Arc<Vec<Sample>>,
         arrivals: Vec<Arc<Arrivals>>,
-        radiance: &[Vec<Vec3>],
+        radiance: &Radiance,
     ) -> Self {
-        let bins = DirectionBins::new(settings.bins_n);
+        let (bins, count) = (DirectionBins::new(settings.bins_n), samples.len());
         let heard: Vec<&Arrivals> = arrivals.iter().map(|a| &**a).collect();
         let solver = Solver::new(bins);
-        let direct = solver.direct(samples.len(), &heard, |_| None);
-        let indirect = solver.indirect(samples.len(), |s, out| out.copy_from_slice(&radiance[s]));
-        let tables = Tables::new(bins, Arc::new(direct), Arc::new(indirect));
+        let fills = Fills::of(&grid, &samples);
+        let mut direct = solver.direct(count, &heard, |_| None);
+        let reflected = |s: usize, out: &mut [Vec3]| out.copy_from_slice(&radiance.reflected[s]);
+        let emitted = |s: usize, out: &mut [Vec3]| {
+            if let Some(emitted) = radiance.emitted.get(s) {
+                out.copy_from_slice(emitted);
+            }
+        };
+        let mut indirect = solver.indirect(count, reflected);
+        for table in [&mut direct, &mut indirect] {
+            fills.apply(table, bins.len());
+        }
+        let mut tables = Tables::new(bins, Arc::new(direct), Arc::new(indirect));
+        let moments = beside_irradiance(&settings.moments);
+        let kernels: Vec<MomentKernel> = moments.iter().map(|o| MomentKernel::new(bins, *o)).collect();
+        tables.moments = kernels
+            .iter()
+            .map(|k| light_moment(k, count, reflected, emitted, &heard).filled(&fills, bins))
+            .collect();
+        let settings = VolumeSettings { moments, ..settings };
+        let ages = Arc::new(vec![0; count]);
         Self {
             settings,
             grid,
@@ -105,10 +145,10 @@ impl IrradianceVolume {
             directions: Arc::new(Directions::new(bins)),
             transport: None,
             arrivals,
-            kernels: Arc::default(),
-            fills: Arc::default(),
+            kernels: Arc::new(kernels),
+            fills: Arc::new(fills),
             guard: None,
-            relights: 0,
+            ages,
             tables,
         }
     }

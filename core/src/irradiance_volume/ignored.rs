@@ -4,7 +4,7 @@
 //! it, and shadows and light that other surfaces have from it stay. So the difference between a volume
 //! and the same one ignoring a surface is the light that comes to the air straight from that surface.
 
-use crate::scene::{Target, emitters::Emitter, geometry::Geometry};
+use crate::scene::{Scene, Target, emitters::Emitter, geometry::Geometry};
 use std::collections::BTreeSet;
 
 /// What is left out.
@@ -30,6 +30,27 @@ impl Ignored {
             };
         }
         ignored
+    }
+
+    /// What has a name in a scene: objects, lamps and materials, all that have it; and the first name that
+    /// nothing has.
+    pub fn named(scene: &Scene, names: &[String]) -> (Self, Option<String>) {
+        fn of<'a>(names: impl Iterator<Item = &'a str>, wanted: &str) -> Vec<u32> {
+            names.enumerate().filter(|(_, name)| *name == wanted).map(|(i, _)| i as u32).collect()
+        }
+        let (mut ignored, mut unknown) = (Self::default(), None);
+        for name in names {
+            let objects = of(scene.objects.iter().map(|o| o.name.as_str()), name);
+            let lamps = of(scene.lamps.iter().map(|l| l.name.as_str()), name);
+            let materials = of(scene.materials.iter().map(|m| m.name.as_str()), name);
+            if objects.is_empty() && lamps.is_empty() && materials.is_empty() {
+                unknown.get_or_insert_with(|| name.clone());
+            }
+            ignored.objects.extend(objects);
+            ignored.lamps.extend(lamps);
+            ignored.materials.extend(materials);
+        }
+        (ignored, unknown)
     }
 
     /// Whether nothing is ignored.

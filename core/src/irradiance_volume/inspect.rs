@@ -28,7 +28,7 @@ pub enum ColourBy {
     Luminance,
     /// Its state: its place in [`SampleState::ALL`].
     Validity,
-    /// How often the light changed since its rays were traced.
+    /// How often its light changed since its rays were traced.
     Age,
     /// Distance to the nearest surface its rays see, m.
     Distance,
@@ -122,7 +122,7 @@ pub fn volume_spheres(
                 one(values.iter().map(|v| luminance(*v)).sum::<f32>() / values.len() as f32)
             }
             (ColourBy::Validity, _) => one(f32::from(sample.state as u8)),
-            (ColourBy::Age, _) => one(volume.relights() as f32),
+            (ColourBy::Age, _) => one(volume.age(i) as f32),
             (ColourBy::Distance, _) => one(nearest_surface(world, sample.position)),
             (ColourBy::Error, _) => one(0.0),
         }
@@ -142,7 +142,7 @@ fn legend_of(volume: &IrradianceVolume, view: &VolumeView, values: &[Vec3]) -> L
         ColourBy::Light => Some((format!("irradiance (no moment of order {} is held)", view.moment), "lx")),
         ColourBy::Luminance => Some(("mean illuminance of a sample".into(), "lx")),
         ColourBy::Validity => Some(("state of a sample".into(), "")),
-        ColourBy::Age => Some(("changes of the light since the rays".into(), "")),
+        ColourBy::Age => Some(("changes of its light since its rays".into(), "")),
         ColourBy::Distance => Some(("distance to the nearest surface".into(), "m")),
         ColourBy::Error => Some(("relative error".into(), "%")),
     };

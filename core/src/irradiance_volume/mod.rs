@@ -25,8 +25,10 @@
 
 pub mod adaptive;
 pub mod bases;
+pub mod budget;
 mod cache;
 pub mod codec;
+pub mod detail;
 pub mod difference;
 pub mod direct;
 pub mod directions;
@@ -38,6 +40,8 @@ pub mod guard;
 pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
+pub mod inspect_sampling;
+pub mod lighting;
 pub mod lobe;
 pub mod moments;
 pub mod overlap;
@@ -47,6 +51,7 @@ pub mod probe;
 pub mod quadrature;
 pub mod query;
 pub mod rays;
+pub mod self_occlusion;
 pub mod settings;
 pub mod slice;
 pub mod solve;
@@ -93,8 +98,8 @@ pub struct IrradianceVolume {
     /// Samples that hold the light of others.
     fills: Arc<Fills>,
     guard: Option<Guard>,
-    /// Changes of the light since the rays were traced.
-    relights: u32,
+    /// Of each sample, changes of its light since its rays were traced.
+    ages: Arc<Vec<u32>>,
     tables: Tables,
 }
 
@@ -175,14 +180,23 @@ impl IrradianceVolume {
         Self { settings: VolumeSettings { basis, ..self.settings.clone() }, ..self.clone() }
     }
 
-    /// How often the light changed since the samples' rays were traced: their age.
-    pub fn relights(&self) -> u32 {
-        self.relights
+    /// How often the light that a sample holds changed since its rays were traced. Rays that met what has been
+    /// moved since still see it where it was: the older a sample, the less it is to be trusted.
+    ///
+    /// # Panics
+    /// If there is no such sample.
+    pub fn age(&self, sample: usize) -> u32 {
+        self.ages[sample]
     }
 
     /// Whether [`Self::relight`] can follow the light: it cannot in a volume read from a file.
     pub fn can_relight(&self) -> bool {
         self.transport.is_some()
+    }
+
+    /// The same volume without what its rays met: to be asked and shown whatever becomes of the scene.
+    pub fn detached(&self) -> Self {
+        Self { transport: None, arrivals: Vec::new(), ..self.clone() }
     }
 
     /// Bytes of the irradiance of one part: what Greger's 18 MB count.

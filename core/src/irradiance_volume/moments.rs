@@ -17,10 +17,10 @@
 
 use super::{
     IrradianceVolume, SurfaceLight, VolumeSettings,
-    cache::{Met, SeenLight},
     codec::{Texel, encode_rgb},
     direct::Arrivals,
     quadrature::{BLOCK, LANES, Lanes, product},
+    trust::Fills,
 };
 use crate::{math::sphere_map::DirectionBins, scene::world::World};
 use glam::{DVec3, Vec3};
@@ -185,15 +185,23 @@ pub struct MomentTable {
     pub(super) indirect: Arc<Vec<Texel>>,
 }
 
+impl MomentTable {
+    /// With the samples filled that hold the light of others.
+    pub(super) fn filled(mut self, fills: &Fills, bins: DirectionBins) -> Self {
+        for texels in [&mut self.direct, &mut self.indirect] {
+            let texels: &mut Vec<Texel> = Arc::make_mut(texels);
+            fills.apply(texels, bins.len());
+        }
+        self
+    }
+}
+
 impl IrradianceVolume {
     /// The same volume holding these orders beside the irradiance; no ray is traced. A volume from a file
     /// keeps those it has.
     pub fn with_moments(&self, orders: &[Order], world: &World, light: &impl SurfaceLight) -> Self {
         let Some(transport) = &self.transport else { return self.clone() };
-        let mut wanted = orders.to_vec();
-        wanted.sort_unstable();
-        wanted.dedup();
-        wanted.retain(|o| *o != Order::IRRADIANCE);
+        let wanted = beside_irradiance(orders);
         let kernels: Vec<MomentKernel> = wanted
             .iter()
             .map(|&order| match self.kernels.iter().find(|k| k.order == order) {
@@ -211,12 +219,11 @@ impl IrradianceVolume {
         volume.tables.moments = kernels
             .iter()
             .map(|kernel| {
-                let mut table = light_moment(kernel, &transport.met, &seen, &heard);
-                for texels in [&mut table.direct, &mut table.indirect] {
-                    let texels: &mut Vec<Texel> = Arc::make_mut(texels);
-                    self.fills.apply(texels, self.bins().len());
-                }
-                table
+                let met = &transport.met;
+                let reflected = |s: usize, out: &mut [Vec3]| met.reflected(s, &seen, out);
+                let emitted = |s: usize, out: &mut [Vec3]| met.add_emitted(s, &seen, out);
+                light_moment(kernel, met.points(), reflected, emitted, &heard)
+                    .filled(&self.fills, self.bins())
             })
             .collect();
         volume.kernels = Arc::new(kernels);
@@ -230,16 +237,32 @@ impl IrradianceVolume {
     }
 }
 
-/// Lights every sample at one order, from what its rays met and what arrives at it.
-fn light_moment(kernel: &MomentKernel, met: &Met, light: &SeenLight, arrivals: &[&Arrivals]) -> MomentTable {
+/// Orders that have a table of their own, each once, lowest first.
+pub fn beside_irradiance(orders: &[Order]) -> Vec<Order> {
+    let mut wanted = orders.to_vec();
+    wanted.sort_unstable();
+    wanted.dedup();
+    wanted.retain(|o| *o != Order::IRRADIANCE);
+    wanted
+}
+
+/// Lights `count` samples at one order: `reflected` writes the radiance that comes to a sample from each bin
+/// after a bounce, `emitted` adds that of emitters seen there (both cd/m²), and `arrivals` are what arrives.
+pub(super) fn light_moment(
+    kernel: &MomentKernel,
+    count: usize,
+    reflected: impl Fn(usize, &mut [Vec3]) + Sync,
+    emitted: impl Fn(usize, &mut [Vec3]) + Sync,
+    arrivals: &[&Arrivals],
+) -> MomentTable {
     let bins = kernel.bins;
-    let mut indirect = vec![Texel::default(); met.points() * bins.len()];
+    let mut indirect = vec![Texel::default(); count * bins.len()];
     indirect.par_chunks_mut(BLOCK * bins.len()).enumerate().for_each(|(block, texels)| {
         let mut one = vec![Vec3::ZERO; bins.len()];
         let mut lanes = vec![[0.0; LANES]; bins.len()];
         let mut out = lanes.clone();
         for s in 0..texels.len() / bins.len() {
-            met.reflected(block * BLOCK + s, light, &mut one);
+            reflected(block * BLOCK + s, &mut one);
             for (lanes, l) in lanes.iter_mut().zip(&one) {
                 (0..3).for_each(|c| lanes[c * BLOCK + s] = l[c]);
             }
@@ -251,11 +274,11 @@ fn light_moment(kernel: &MomentKernel, met: &Met, light: &SeenLight, arrivals: &
             }
         }
     });
-    let mut direct = vec![Texel::default(); met.points() * bins.len()];
+    let mut direct = vec![Texel::default(); count * bins.len()];
     direct.par_chunks_mut(bins.len()).enumerate().for_each(|(s, texels)| {
         let values = if kernel.order == Order::Infinite {
             let mut values = vec![Vec3::ZERO; bins.len()];
-            met.add_emitted(s, light, &mut values);
+            emitted(s, &mut values);
             values.iter_mut().for_each(|v| *v *= PI);
             values
         } else {

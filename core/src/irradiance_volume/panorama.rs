@@ -13,6 +13,7 @@
 
 use super::{
     IrradianceVolume, Sample, VolumeError, VolumeSettings,
+    given::Radiance,
     grid::BilevelGrid,
     trust::{Repair, SampleState},
 };
@@ -35,6 +36,16 @@ pub fn direction(place: Vec2) -> Vec3 {
 pub fn place(direction: Vec3) -> Vec2 {
     let longitude = direction.x.atan2(-direction.z);
     Vec2::new(longitude / TAU + 0.5, direction.y.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// The same surroundings with −z in the middle where +z was, as OpenEXR has it, and the other way round; in
+/// an odd number of columns each new one is the mean of the two that it lies between.
+pub fn half_turned(image: &LinearImage) -> LinearImage {
+    let (width, half) = (image.width.max(1), image.width / 2);
+    LinearImage::from_fn(image.width, image.height, |x, y| {
+        let after = image.at((x + half + image.width % 2) % width, y);
+        if image.width % 2 == 0 { after } else { 0.5 * (image.at((x + half) % width, y) + after) }
+    })
 }
 
 /// Renders a panorama `height` pixels high and twice as wide: `radiance` gives the light that arrives along
@@ -141,8 +152,8 @@ impl IrradianceVolume {
                 state: SampleState::Free,
             })
             .collect();
-        let radiance: Vec<Vec<Vec3>> =
-            at.par_iter().map(|s| blended(nodes, &seen, s.position, bins)).collect();
+        let reflected = at.par_iter().map(|s| blended(nodes, &seen, s.position, bins)).collect();
+        let radiance = Radiance { reflected, emitted: Vec::new() };
         progress.report(1.0)?;
         // Without a scene there is nothing to guard queries by, and nothing to move samples out of.
         let (samples, repair) = (Some(samples.into()), Repair::Mask);

@@ -137,6 +137,13 @@ impl Targets {
         self.list.is_empty()
     }
 
+    /// Points that so many rays from a position are aimed at; none where there is nothing to aim at.
+    pub fn aim(&self, position: Vec3, rays: u32, scramble: u32) -> Vec<Vec3> {
+        let chances = self.seen_from(position);
+        let rays = if self.is_empty() { 0 } else { rays };
+        (0..rays).map(|j| chances.draw(r2_point(j, scramble)).1).collect()
+    }
+
     /// The chance of each as seen from a point, about in proportion to the light it sends there if
     /// nothing is between.
     fn seen_from(&self, position: Vec3) -> Chances<'_> {
@@ -270,6 +277,31 @@ pub fn trace_point(
     hits.owners.dedup_by_key(|o| o.0);
     hits.back_face_fraction = backs as f32 / hits.elements.len() as f32;
     hits
+}
+
+/// Where a ray goes, by way of mirrors until a dull surface or until less than `cutoff` is left of it: the
+/// places from its origin on, and whether it ends on a side that sends light. `None` where it meets nothing.
+pub fn chain(world: &World, cutoff: f32, origin: Vec3, direction: Vec3) -> Option<(Vec<Vec3>, bool)> {
+    let (mut places, mut ray) = (vec![origin], Ray::new(origin, direction));
+    let mut left = Vec3::ONE;
+    for _ in 0..MOST_REFLECTIONS {
+        let Some(hit) = world.accel.trace(&ray) else { break };
+        let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+        places.push(surface.position);
+        if !world.geometry.is_lit(&surface) {
+            return Some((places, false));
+        }
+        if !world.geometry.material_of(hit.triangle).is_mirror() {
+            return Some((places, true));
+        }
+        let specular = world.geometry.brdf(&surface).specular;
+        left *= specular.map_or(Vec3::ZERO, |s| s.reflectance(-ray.direction.dot(surface.normal)));
+        if left.max_element() < cutoff {
+            return Some((places, false));
+        }
+        ray = surface.mirrored(ray.direction);
+    }
+    (places.len() > 1).then_some((places, false))
 }
 
 /// Rays on their way.

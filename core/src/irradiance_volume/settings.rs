@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     math::progress::Cancelled,
-    scene::{emitters::Emitter, lamp::LampKind, world::World},
+    scene::{Scene, emitters::Emitter, lamp::LampKind, world::World},
 };
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
@@ -29,6 +29,9 @@ pub struct VolumeSettings {
     /// Divides the cells in which interpolation errs by more than this share, worst first and within
     /// `target_samples`, instead of those with geometry; 0 to 10. See [`super::adaptive`].
     pub refine_tolerance: Option<f32>,
+    /// Whether cells with geometry are divided too where a tolerance says which; then cells of the first level
+    /// are so large that those take half of `target_samples` at most.
+    pub refine_geometry: bool,
     /// Rows and columns of direction bins a hemisphere, 1 to 128; 17 gives 578 bins.
     pub bins_n: u32,
     /// Radiance rays a bin, 1 to 256; 1 goes through its centre.
@@ -62,6 +65,7 @@ impl Default for VolumeSettings {
             target_samples: 2_287,
             second_level: 3,
             refine_tolerance: None,
+            refine_geometry: false,
             bins_n: 17,
             supersample: 1,
             informed_rays: 256,
@@ -99,16 +103,31 @@ pub enum VolumeError {
         /// Largest corner.
         high: Vec3,
     },
+    /// It would take more memory than [`MOST_BYTES`](super::budget::MOST_BYTES).
+    #[error(
+        "irradiance volume: {samples} samples or more of {bins} bins and {orders} moments would take {gigabytes:.1} GB, \
+         at most 4.3 GB are granted: take fewer samples, bins, moments or rays"
+    )]
+    TooLarge {
+        /// Samples at least.
+        samples: u64,
+        /// Bins of each.
+        bins: u32,
+        /// Moments beside the irradiance.
+        orders: usize,
+        /// Memory, 10⁹ bytes.
+        gigabytes: f64,
+    },
     /// The user stopped it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A file cannot be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: {cause}")]
     File {
         /// Which.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// A file is not a volume.
     #[error("{path}: not a lumenscope irradiance volume: {reason}")]
@@ -132,6 +151,31 @@ fn emitter_triangles(world: &World) -> impl Iterator<Item = [Vec3; 3]> + '_ {
 }
 
 impl VolumeSettings {
+    /// The defaults, but for what the overrides of a scene fix. Names that nothing has are passed over.
+    pub fn overridden(scene: &Scene, seed: u64) -> Self {
+        let (over, usual) = (&scene.plan, Self::default());
+        let names = over.volume_ignored.as_deref().unwrap_or_default();
+        Self {
+            samples: over.volume_samples,
+            target_samples: over.volume_target_samples.unwrap_or(usual.target_samples),
+            second_level: over.volume_second_level.unwrap_or(usual.second_level),
+            refine_tolerance: over.volume_refine_tolerance,
+            refine_geometry: over.volume_refine_geometry.unwrap_or(usual.refine_geometry),
+            bins_n: over.volume_bins_n.unwrap_or(usual.bins_n),
+            supersample: over.volume_supersample.unwrap_or(usual.supersample),
+            informed_rays: over.volume_informed_rays.unwrap_or(usual.informed_rays),
+            specular_cutoff: over.volume_specular_cutoff.unwrap_or(usual.specular_cutoff),
+            direct_samples: usual.direct_samples,
+            seed,
+            back_face_limit: over.volume_back_face_limit.unwrap_or(usual.back_face_limit),
+            basis: over.volume_basis.unwrap_or_default(),
+            ignored: Ignored::named(scene, names).0,
+            moments: over.volume_moments.clone().unwrap_or_default(),
+            repair: over.volume_repair.unwrap_or_default(),
+            guard: over.volume_guard.unwrap_or(usual.guard),
+        }
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -180,7 +224,8 @@ impl VolumeSettings {
             let value = self.back_face_limit.to_string();
             return Err(VolumeError::Setting { name: "back_face_limit", value, range: "0 to 1" });
         }
-        Ok(())
+        self.samples
+            .map_or(self.check_samples(8), |samples| self.check_cells(UVec3::from(samples) - UVec3::ONE))
     }
 
     /// The grid for a scene; cells with geometry, and cells with an emitter or next to one, are refined.

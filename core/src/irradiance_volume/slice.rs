@@ -78,6 +78,11 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
     }
 }
 
+/// How often each size of |A − B| / max(B, 5 % of its mean) occurs over samples and bins.
+pub fn difference_histogram(difference: &Difference) -> Curve {
+    histogram(&compared(difference))
+}
+
 /// Size that 95 of 100 values stay below, by luminance: what lies next to a lamp would leave no colours for
 /// the rest, and is shown as the palette's end.
 pub(super) fn bulk(values: &[Vec3]) -> f32 {

@@ -6,8 +6,9 @@
 //! comes from [`super::direct`], never from a bin.
 
 use super::{
-    IrradianceVolume, Sample, VolumeError, VolumeSettings, adaptive,
+    IrradianceVolume, Sample, Tables, VolumeError, VolumeSettings, adaptive,
     cache::{Before, Met, Solver, Transport},
+    codec::Texel,
     direct::{Arrivals, Asking},
     directions::Directions,
     guard::Guard,
@@ -57,6 +58,7 @@ impl IrradianceVolume {
             Some(tolerance) => adaptive::grid(world, light, settings, tolerance, progress)?,
             None => settings.grid(world)?,
         };
+        settings.check_samples(grid.places().len() as u64)?;
         let bins = DirectionBins::new(settings.bins_n);
         let targets = if settings.informed_rays > 0 { Targets::new(light) } else { Targets::default() };
         let done = AtomicUsize::new(0);
@@ -122,6 +124,7 @@ impl IrradianceVolume {
         let seen = transport.met.seen(world, light.radiosity(), &settings.ignored);
         let tables = transport.tables(&seen, &arrivals, &fills, None);
         progress.report(1.0)?;
+        let ages = Arc::new(vec![0; samples.len()]);
         let volume = Self {
             settings: settings.clone(),
             grid: Arc::new(grid),
@@ -132,7 +135,7 @@ impl IrradianceVolume {
             kernels: Arc::default(),
             fills: Arc::new(fills),
             guard: None,
-            relights: 0,
+            ages,
             tables,
         };
         Ok(volume.with_moments(&settings.moments, world, light).with_guard(settings.guard.then_some(world)))
@@ -184,8 +187,21 @@ impl IrradianceVolume {
             }
             None => self.tables.clone(),
         };
-        let relights = self.relights + 1;
-        Self { arrivals, tables, relights, ..self.clone() }.with_moments(&self.settings.moments, world, light)
+        let ages = self.aged(&tables);
+        Self { arrivals, tables, ages, ..self.clone() }.with_moments(&self.settings.moments, world, light)
+    }
+
+    /// Ages of the samples once they hold other light.
+    fn aged(&self, tables: &Tables) -> Arc<Vec<u32>> {
+        let bins = self.bins().len();
+        let same = |a: &[Texel], b: &[Texel], s: usize| a[s * bins..][..bins] == b[s * bins..][..bins];
+        let ages = self.ages.par_iter().enumerate().map(|(s, age)| {
+            let kept = same(&self.tables.indirect, &tables.indirect, s)
+                && (Arc::ptr_eq(&self.tables.direct, &tables.direct)
+                    || same(&self.tables.direct, &tables.direct, s));
+            if kept { *age } else { age + 1 }
+        });
+        Arc::new(ages.collect())
     }
 
     /// The same rays under other settings of queries: basis, guard, moments. `None` where any other setting

@@ -7,6 +7,7 @@
 pub use crate::scene::volume::Repair;
 
 use super::{
+    Sample,
     codec::{Texel, decode_rgb, encode_rgb},
     grid::BilevelGrid,
 };
@@ -122,6 +123,16 @@ impl Fills {
             }
             fills[first..].iter().for_each(|(s, _)| known[*s as usize] = true);
         }
+    }
+
+    /// What filled the dilated ones among some samples, planned anew.
+    pub fn of(grid: &BilevelGrid, samples: &[Sample]) -> Self {
+        if samples.iter().all(|s| s.state != SampleState::Dilated) {
+            return Self::default();
+        }
+        let known = |s: &Sample| matches!(s.state, SampleState::Free | SampleState::Relocated);
+        let (positions, known): (Vec<_>, Vec<_>) = samples.iter().map(|s| (s.position, known(s))).unzip();
+        Self::plan(grid, &positions, &known)
     }
 
     /// Whether there is nothing to fill.

@@ -11,3 +11,10 @@ pub enum Part {
     #[default]
     All,
 }
+
+impl Part {
+    /// Whether it holds the direct or the indirect part; all holds both.
+    pub fn holds(self, one: Self) -> bool {
+        self == Self::All || self == one
+    }
+}

@@ -7,6 +7,7 @@ pub mod chart;
 pub mod grid_texture;
 pub mod image;
 pub mod irradiance;
+pub mod leak;
 pub mod perceptual;
 pub mod reconstruction;
 pub mod significance;

@@ -148,6 +148,23 @@ pub struct PlanOverrides {
     pub volume_second_level: Option<u32>,
     /// Rows of direction bins a hemisphere: 2n² bins.
     pub volume_bins_n: Option<u32>,
+    /// Samples of the volume over both levels that the grid stays within.
+    pub volume_target_samples: Option<u32>,
+    /// Divides cells of the volume in which interpolation errs by more than this share, instead of those
+    /// with geometry.
+    pub volume_refine_tolerance: Option<f32>,
+    /// Whether cells with geometry are divided beside those.
+    pub volume_refine_geometry: Option<bool>,
+    /// Radiance rays a bin of the volume.
+    pub volume_supersample: Option<u32>,
+    /// Extra radiance rays a sample of the volume, aimed at what is bright.
+    pub volume_informed_rays: Option<u32>,
+    /// Share of a ray's light left after mirrors below which it is given up.
+    pub volume_specular_cutoff: Option<f32>,
+    /// Share of a sample's rays that may meet backs before it counts as inside a solid.
+    pub volume_back_face_limit: Option<f32>,
+    /// Objects, lamps and materials that the volume leaves out as sources of light, by name.
+    pub volume_ignored: Option<Vec<String>>,
     /// What queries of the volume read.
     pub volume_basis: Option<Basis>,
     /// What is done with samples inside solids.
@@ -168,7 +185,19 @@ impl PlanOverrides {
         if let Some(levels) = self.element_levels.filter(|levels| *levels > 4) {
             return Some(("element_levels", levels.to_string()));
         }
+        let shares = [
+            ("volume_refine_tolerance", self.volume_refine_tolerance, 10.0),
+            ("volume_specular_cutoff", self.volume_specular_cutoff, 1.0),
+            ("volume_back_face_limit", self.volume_back_face_limit, 1.0),
+        ];
+        for (name, share, most) in shares {
+            if let Some(share) = share.filter(|s| !(0.0..=most).contains(s)) {
+                return Some((name, share.to_string()));
+            }
+        }
         let counts = [
+            ("volume_target_samples", self.volume_target_samples),
+            ("volume_supersample", self.volume_supersample),
             ("gather_rays", self.gather_rays),
             ("shadow_rays", self.shadow_rays),
             ("direct_samples", self.direct_samples),

@@ -8,7 +8,7 @@
 use crate::{
     irradiance_volume::{
         IrradianceVolume,
-        dynamic_object::{DynamicObject, lattice_blend, lattice_len},
+        dynamic_object::{Detail, DynamicObject, lattice_blend, lattice_len},
     },
     math::part::Part,
     transport::LightTransportSolution,
@@ -83,7 +83,8 @@ impl MovedLight {
                 Some(volume) if wanted => {
                     let detail = solution.detail;
                     self.queries += known.queries(detail);
-                    match &solution.gloss {
+                    // A volume of its own that a guest is lit by may hold other orders: it is matt then.
+                    match solution.gloss.as_ref().filter(|g| volume.orders().contains(&g.order)) {
                         Some(gloss) => known.moments(volume, geometry, object, part, side, detail, gloss),
                         None => known.irradiance(volume, geometry, object, part, side, detail),
                     }
@@ -119,6 +120,9 @@ impl MovedLight {
         }
         let geometry = &solution.world.geometry;
         let object = geometry.object[triangle as usize];
+        if solution.detail == Detail::Pixels && self.first.contains_key(&object) {
+            return Some(at_pixel(solution, triangle, barycentric, back, part));
+        }
         let record = *self.first.get(&object)? + triangle - geometry.object_triangles[object as usize].start;
         let (first, steps) = self.lattices[record as usize];
         let (entries, weights) = lattice_blend(steps, barycentric);
@@ -133,4 +137,47 @@ impl MovedLight {
             Part::All => of(0) + of(1),
         })
     }
+}
+
+/// Irradiance on a moved object from the volume at the very point, lx per channel; the indirect part is
+/// weakened by what the object hides from itself.
+fn at_pixel(
+    solution: &LightTransportSolution,
+    triangle: u32,
+    barycentric: Vec2,
+    back: bool,
+    part: Part,
+) -> Vec3 {
+    let geometry = &solution.world.geometry;
+    let object = geometry.object[triangle as usize];
+    let guest = solution.guests.iter().find(|g| g.object == object);
+    let Some(volume) = guest.map_or(solution.volume.as_deref(), |g| Some(&*g.volume)) else {
+        return Vec3::ZERO;
+    };
+    let mix = |[a, b, c]: [Vec3; 3]| {
+        a * (1.0 - barycentric.x - barycentric.y) + b * barycentric.x + c * barycentric.y
+    };
+    let position = mix(geometry.positions[triangle as usize]);
+    let normal =
+        mix(geometry.normals[triangle as usize]).normalize_or(Vec3::Y) * if back { -1.0 } else { 1.0 };
+    let known = guest.map_or(solution.dynamic_objects.get(&object), |g| Some(&*g.known));
+    let local = triangle - geometry.object_triangles[object as usize].start;
+    let gloss = solution.gloss.as_ref().filter(|g| volume.orders().contains(&g.order));
+    let of = |one: Part| {
+        if part.holds(one) && guest.is_none_or(|g| g.part.holds(one)) {
+            match gloss {
+                Some(g) => {
+                    volume.moment(position, g.towards(position, normal), g.order, one).unwrap_or_default()
+                }
+                None if one == Part::Direct => volume.irradiance(position, normal, one),
+                None => {
+                    let open = known.map_or(1.0, |k| k.open_at(local, barycentric, back));
+                    volume.irradiance(position, normal, one) * open
+                }
+            }
+        } else {
+            Vec3::ZERO
+        }
+    };
+    of(Part::Direct) + of(Part::Indirect)
 }

@@ -39,6 +39,8 @@ pub struct Plan {
     pub lines: Vec<PlanLine>,
     /// Settings of the solvers.
     pub solve: SolveSettings,
+    /// Settings of the irradiance volume, whether it is built or not.
+    pub volume: VolumeSettings,
     /// Shadow rays an area emitter and pixel for pictures written to files.
     pub direct_samples: u32,
 }
@@ -82,17 +84,8 @@ impl Plan {
         if !needs.reflects {
             radiosity.gather_rays = 1;
         }
-        let volume = over.volume.unwrap_or(needs.movable > 0).then(|| {
-            let mut settings =
-                VolumeSettings { seed, samples: over.volume_samples, ..VolumeSettings::default() };
-            settings.second_level = over.volume_second_level.unwrap_or(settings.second_level);
-            settings.bins_n = over.volume_bins_n.unwrap_or(settings.bins_n);
-            settings.basis = over.volume_basis.unwrap_or_default();
-            settings.repair = over.volume_repair.unwrap_or_default();
-            settings.guard = over.volume_guard.unwrap_or(settings.guard);
-            settings.moments = over.volume_moments.clone().unwrap_or_default();
-            settings
-        });
+        let wanted = VolumeSettings::overridden(scene, seed);
+        let volume = over.volume.unwrap_or(needs.movable > 0).then(|| wanted.clone());
         let automatic = if needs.area_emitters == 0 { 1 } else { scaled(16, 1.0, 256.0) };
         let direct_samples = over.direct_samples.unwrap_or(automatic);
         let lines = vec![
@@ -103,13 +96,13 @@ impl Plan {
             needs.mirror(),
             needs.glossy(),
         ];
-        Self { lines, solve: SolveSettings { radiosity, volume, preview: false }, direct_samples }
+        let solve = SolveSettings { radiosity, volume, preview: false };
+        Self { lines, solve, volume: wanted, direct_samples }
     }
 
     /// Settings of the irradiance volume; plans one where the scene needs none.
     pub fn volume_settings(&mut self) -> &mut VolumeSettings {
-        let seed = self.solve.radiosity.seed;
-        self.solve.volume.get_or_insert_with(|| VolumeSettings { seed, ..VolumeSettings::default() })
+        self.solve.volume.get_or_insert_with(|| self.volume.clone())
     }
 }
 
@@ -288,10 +281,9 @@ impl Needs<'_> {
             metres(spacing / grid.inner() as f32),
             grid.second_level_grids(),
         );
-        let over = self.over;
-        let as_measured = over.volume_samples.is_none()
-            && over.volume_bins_n.is_none()
-            && over.volume_second_level.is_none();
+        // Moments lie beside the irradiance and change nothing of it.
+        let VolumeSettings { seed, moments, .. } = settings.clone();
+        let as_measured = *settings == VolumeSettings { seed, moments, ..VolumeSettings::default() };
         let (expected_error, error_basis) = if as_measured {
             let basis = "median over points and directions in the air, measured in the office; larger where \
                          light changes within a cell";

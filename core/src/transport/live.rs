@@ -41,13 +41,13 @@ pub struct SolveSettings {
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
     /// Radiosity failed.
-    #[error("radiosity: {0}")]
+    #[error(transparent)]
     Radiosity(#[from] RadiosityError),
     /// The volume failed.
-    #[error("irradiance volume: {0}")]
+    #[error(transparent)]
     Volume(#[from] VolumeError),
     /// The user stopped it.
-    #[error("{0}")]
+    #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 

@@ -60,6 +60,11 @@ impl LightTransportSolution {
         Self { gloss: gloss.filter(held), ..self.clone() }
     }
 
+    /// The same light with moved objects that ask the volume as finely as said; as finely as they do without.
+    pub fn with_detail(&self, detail: Option<Detail>) -> Self {
+        Self { detail: detail.unwrap_or(self.detail), ..self.clone() }
+    }
+
     /// The same light with only the indirect part that an expression means, and whether each term is shown then:
     /// emitted, direct, indirect, specular. `None` where only the path tracer tells the expression's light apart:
     /// where something is specular and it is no sum of terms.

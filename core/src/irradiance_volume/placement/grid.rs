@@ -29,6 +29,8 @@ pub struct MeasuringGrid {
     pub ny: u32,
     /// Points row by row, the first edge fastest; `None` where there is nothing to measure.
     pub points: Vec<Option<Vec3>>,
+    /// The object whose top it is.
+    pub object: Option<u32>,
 }
 
 /// Largest distance between points on a field whose longer side is `longer_m`, m:
@@ -56,6 +58,7 @@ impl MeasuringGrid {
             nx,
             ny,
             points: Vec::new(),
+            object: None,
         };
         grid.points = (0..nx * ny).map(|i| Some(grid.middle(i % nx, i / nx))).collect();
         grid
@@ -86,6 +89,7 @@ impl MeasuringGrid {
             nx,
             ny,
             points: Vec::new(),
+            object: Some(object as u32),
         };
         grid.points = (0..nx * ny)
             .map(|i| {

@@ -39,6 +39,12 @@ const INSIDE_RAYS: u32 = 16;
 /// Share of back faces seen from which a point counts as inside a solid.
 const INSIDE_SHARE: f32 = 0.25;
 
+/// Height over a point at which is looked around for what stands on it, and the farthest that may be, m.
+const AROUND_M: [f32; 2] = [0.005, 0.25];
+
+/// Directions that are looked in.
+const AROUND: u32 = 16;
+
 /// How illuminance is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MeasureSettings {
@@ -75,7 +81,7 @@ pub struct Measurement {
     /// Illuminance of each point, row by row, lx; `None` where nothing is measured: beside the object's
     /// top, or inside a solid.
     pub values: Vec<Option<f32>>,
-    /// Points left out because they lie inside a solid.
+    /// Points left out because they lie inside something.
     pub inside: usize,
     /// Rays that gathered the indirect light of a point; 0 where it came from the volume.
     pub gather_rays: u32,
@@ -106,7 +112,8 @@ pub struct Statistics {
 ///
 /// Direct light by `shadow_rays` rays an area emitter; indirect light as the mean radiosity that
 /// `gather_rays` cosine-distributed rays meet, since ∫ L cos θ dω = π ⟨L⟩ = ⟨B⟩, or from the volume.
-/// Points inside a solid, known by the back faces they see, are left out. The same arguments give the same
+/// Points inside a solid, known by the back faces they see, and inside hollow things that stand there (a
+/// mug, a vase) are left out. The same arguments give the same
 /// bytes at any thread count.
 pub fn measure(
     world: &World,
@@ -121,6 +128,9 @@ pub fn measure(
     let at = |(i, position): (usize, &Option<Vec3>)| -> Point {
         let Some(position) = *position else { return Point::Beside };
         let scramble = hash2(i as u32, settings.seed as u32);
+        if stands_in_something(world, &grid, position) {
+            return Point::Inside;
+        }
         let receiver = Receiver::new(position, grid.normal);
         let (gathered, backs) = gather(world, light, &receiver, rays, scramble);
         if backs > INSIDE_SHARE {
@@ -143,6 +153,19 @@ enum Point {
     Beside,
     Inside,
     Lit(f32),
+}
+
+/// Whether one thing that is not measured itself is near all around a point: the point lies inside it.
+fn stands_in_something(world: &World, grid: &MeasuringGrid, position: Vec3) -> bool {
+    let origin = position + grid.normal * AROUND_M[0];
+    let frame = frame_from_normal(grid.normal);
+    let met = |i: u32| {
+        let (sin, cos) = (std::f32::consts::TAU * (i as f32 + 0.5) / AROUND as f32).sin_cos();
+        let hit = world.accel.trace(&Ray::new(origin, frame * Vec3::new(cos, sin, 0.0)))?;
+        (hit.t < AROUND_M[1]).then(|| world.geometry.object[hit.triangle as usize])
+    };
+    let first = met(0).filter(|o| grid.object != Some(*o));
+    first.is_some() && (1..AROUND).all(|i| met(i) == first)
 }
 
 /// Mean radiosity met by cosine-distributed rays, lx per channel, and the share of rays that met a back.

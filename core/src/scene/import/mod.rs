@@ -18,6 +18,7 @@ mod obj;
 mod picture;
 mod ron;
 mod sanity;
+mod weld;
 
 use super::{
     Scene,

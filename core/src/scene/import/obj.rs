@@ -1,4 +1,5 @@
-//! Wavefront OBJ with MTL materials. Every `o` or `g` is an object; surfaces are double-sided.
+//! Wavefront OBJ with MTL materials. Every `o` or `g` is an object; surfaces are double-sided. Meshes without
+//! normals get smooth ones with creases ([`weld`](super::weld)).
 //!
 //! `Kd` and `map_Kd` are reflectance, `Ke` and `map_Ke` emitted radiance in cd/m². The file's unit is
 //! taken to be the metre.
@@ -7,6 +8,7 @@ use super::{
     SceneError,
     model::{self, Model},
     picture,
+    weld::welded,
 };
 use crate::scene::{Object, Part, material::Material};
 use glam::{Affine3A, Vec2, Vec3};
@@ -94,12 +96,12 @@ fn add_part(path: &Path, part: tobj::Model, grey: usize, model: &mut Model) -> R
     if mesh.material_id.is_none() {
         model.notes.add("surfaces without a known material are grey", &name);
     }
-    model.meshes.push(Arc::new(model::mesh(
-        positions,
-        (normals.len() == count).then_some(normals),
-        [(uvs.len() == count).then_some(uvs), None],
-        triangles,
-    )));
+    let uvs = if uvs.len() == count { uvs } else { Vec::new() };
+    model.meshes.push(Arc::new(if normals.len() == count {
+        model::mesh(positions, Some(normals), [(!uvs.is_empty()).then_some(uvs), None], triangles)
+    } else {
+        welded(&positions, &uvs, &triangles)
+    }));
     let part = Part {
         mesh: model.meshes.len() - 1,
         material: mesh.material_id.filter(|&i| i < grey).unwrap_or(grey),

@@ -50,6 +50,14 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     }
     scene.planes = file.planes;
     scene.plan = file.plan;
+    for name in scene.plan.volume_ignored.iter().flatten() {
+        let objects = scene.objects.iter().map(|o| &o.name);
+        let mut names =
+            objects.chain(scene.lamps.iter().map(|l| &l.name)).chain(scene.materials.iter().map(|m| &m.name));
+        if names.all(|other| other != name) {
+            scene.warnings.push(format!("volume_ignored: no object, lamp or material is named \"{name}\""));
+        }
+    }
     scene.camera = file.camera.or(model_camera).unwrap_or_else(|| super::framing_camera(&scene));
     if !super::emits(&scene) {
         scene.warnings.push("no lamps: nothing is lit".into());
