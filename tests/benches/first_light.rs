@@ -1,7 +1,7 @@
 //! Speed of everything the user waits for, on the office: `cargo bench`. Prints the goals beside the figures.
 
 use criterion::{Criterion, Throughput};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     irradiance_volume::{Basis, IrradianceVolume, VolumeSettings},
     math::{frame::uniform_direction, part::Part, progress::Progress, random::Rng},
@@ -60,7 +60,8 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
     let silent = Progress::silent();
     let solve = |settings: &RadiositySettings| RadiositySolution::solve(world, settings, &Progress::silent());
     let Ok(radiosity) = solve(&plan.solve.radiosity) else { return eprintln!("radiosity failed") };
-    let thesis = VolumeSettings { bins_n: 17, ..plan.solve.volume.clone().unwrap_or_default() };
+    let thesis =
+        VolumeSettings { bins_n: 17, target_samples: 2_287, ..plan.solve.volume.clone().unwrap_or_default() };
     let Ok(volume) = IrradianceVolume::build(world, &radiosity, &thesis, &silent) else {
         return eprintln!("volume failed");
     };
@@ -81,15 +82,8 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
         b.iter(|| IrradianceVolume::build(world, &radiosity, &thesis, &silent))
     });
     group.throughput(Throughput::Elements(BATCH));
-    let (low, high) = world.geometry.bounds();
-    let queries: Vec<(Vec3, Vec3)> = (0..BATCH)
-        .map(|i| {
-            let mut rng = Rng::new(9, i);
-            let at = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-            (low + (high - low) * at, uniform_direction(rng.next_vec2()))
-        })
-        .collect();
-    let mut answers = vec![Vec3::ZERO; queries.len()];
+    let queries = [("anywhere", anywhere(world)), ("vertices of balls", balls(world))];
+    let mut answers = vec![Vec3::ZERO; BATCH as usize];
     let lamp = world.emitters.list[0].target();
     let shifted = shifted(scene, lamp);
     let (mut relit, mut step) = (volume.clone(), 0);
@@ -102,22 +96,46 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
             });
         });
     }
-    group.bench_function("volume queries, as built: guarded, one thread", |b| {
-        b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
-    });
-    let volume = volume.with_guard(None);
-    for basis in [Basis::Harmonics, Basis::NearestBin, Basis::Bins] {
+    let unguarded = volume.with_guard(None);
+    let guarded = [("guarded, ", &volume, Basis::Bins)];
+    let plain = [Basis::Harmonics, Basis::NearestBin, Basis::Bins].map(|basis| ("", &unguarded, basis));
+    for (guard, volume, basis) in guarded.into_iter().chain(plain) {
         let volume = volume.with_basis(basis);
-        let name = format!("volume queries, {}, one thread (goal 20 M/s)", basis.name());
-        group.bench_function(&name, |b| {
-            b.iter(|| volume.irradiance_batch(&queries, Part::Indirect, &mut answers));
-        });
-        group.bench_function(format!("volume queries, {}, one by one", basis.name()), |b| {
-            let query = |(p, n): &(Vec3, Vec3)| volume.irradiance(*p, *n, Part::Indirect);
-            b.iter(|| queries.iter().fold(Vec3::ZERO, |sum, q| sum + query(q)));
-        });
+        for (place, queries) in &queries {
+            let name = format!("volume queries, {guard}{}, {place}, one thread (goal 20 M/s)", basis.name());
+            group.bench_function(name, |b| {
+                b.iter(|| volume.irradiance_batch(queries, Part::Indirect, &mut answers));
+            });
+        }
     }
     group.finish();
+}
+
+/// Points and directions without order.
+fn anywhere(world: &World) -> Vec<(Vec3, Vec3)> {
+    let (low, high) = world.geometry.bounds();
+    (0..BATCH)
+        .map(|i| {
+            let mut rng = Rng::new(9, i);
+            let at = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            (low + (high - low) * at, uniform_direction(rng.next_vec2()))
+        })
+        .collect()
+}
+
+/// A ball of 1,000 vertices at a hundred places, as an object that moves is asked for.
+fn balls(world: &World) -> Vec<(Vec3, Vec3)> {
+    const RADIUS: f32 = 0.25;
+    let (low, high) = world.geometry.bounds();
+    (0..BATCH)
+        .map(|i| {
+            let (ball, vertex) = (i / 1_000, (i % 1_000) as f32);
+            let mut rng = Rng::new(10, ball);
+            let at = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            let normal = uniform_direction(Vec2::new((vertex + 0.5) / 1_000.0, (vertex / 40.0).fract()));
+            (low + (high - low) * at + RADIUS * normal, normal)
+        })
+        .collect()
 }
 
 /// The world with a lamp 5 cm from where it is.

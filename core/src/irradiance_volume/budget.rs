@@ -7,8 +7,9 @@
 use super::{Sample, VolumeError, VolumeSettings, rays::Extra};
 use glam::UVec3;
 
-/// Bytes that the guard takes a cell of the second level, about: its box, what stands in it, who sees it.
-const GUARD_BYTES: u64 = 128;
+/// Bytes that the guard takes a cell of the second level, about: its box, what stands in it, and who sees each
+/// of its 8³ leaves.
+const GUARD_BYTES: u64 = 2_304;
 
 /// Bytes that a volume may take.
 pub const MOST_BYTES: u64 = 4 << 30;

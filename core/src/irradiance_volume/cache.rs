@@ -5,18 +5,20 @@
 
 use super::{
     Tables, VolumeSettings,
-    codec::{Texel, encode},
-    direct::{Arrivals, Centres, add_irradiance},
+    codec::{Texel, encode_eight},
+    direct::Arrivals,
     ignored::Ignored,
     probe::emission,
     quadrature::{BLOCK, LANES, Quadrature},
     rays::{Extra, NO_ELEMENT, PointHits, Source},
+    received::{Centres, Received},
     trust::Fills,
 };
 use crate::{math::sphere_map::DirectionBins, scene::world::World};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
+use wide::f32x8;
 
 /// What the rays of some points met.
 #[derive(Debug)]
@@ -247,10 +249,9 @@ impl Solver {
                 }
                 self.quadrature.irradiance(seen, irradiance);
                 for (bin, lanes) in irradiance.iter().enumerate() {
-                    let mut codes = [0; LANES];
-                    codes.iter_mut().zip(lanes).for_each(|(code, value)| *code = encode(*value));
-                    for (s, texels) in texels.chunks_exact_mut(bins).enumerate() {
-                        texels[bin] = [codes[s], codes[BLOCK + s], codes[2 * BLOCK + s], 0];
+                    let encoded = encode_eight(bytemuck::cast(*lanes));
+                    for (texels, encoded) in texels.chunks_exact_mut(bins).zip(encoded) {
+                        texels[bin] = encoded;
                     }
                 }
             },
@@ -268,24 +269,22 @@ impl Solver {
         let bins = self.bins().len();
         let mut table = vec![Texel::default(); count * bins];
         table.par_chunks_mut(bins).enumerate().for_each_init(
-            || ([(); 3].map(|()| vec![0.0; bins]), [(); 3].map(|()| vec![0; bins])),
-            |(sums, codes), (sample, texels)| {
+            || (Received::new(&self.centres), [(); 3].map(|()| vec![0.0; bins.next_multiple_of(8)])),
+            |(received, irradiance), (sample, texels)| {
                 if let Some(kept) = kept(sample) {
                     return texels.copy_from_slice(kept);
                 }
                 if arrivals.iter().all(|a| a.of(sample).is_empty()) {
                     return;
                 }
-                sums.iter_mut().for_each(|channel| channel.fill(0.0));
-                for emitter in arrivals {
-                    add_irradiance(&self.centres, emitter.of(sample), sums);
+                received.clear();
+                arrivals.iter().for_each(|emitter| received.add(emitter.of(sample)));
+                for (channel, irradiance) in irradiance.iter_mut().enumerate() {
+                    received.irradiance(channel, &mut irradiance[..bins]);
                 }
-                for (codes, sums) in codes.iter_mut().zip(&*sums) {
-                    codes.iter_mut().zip(sums).for_each(|(code, sum)| *code = encode(*sum));
-                }
-                let [r, g, b] = codes;
-                for (texel, ((r, g), b)) in texels.iter_mut().zip(r.iter().zip(g).zip(b)) {
-                    *texel = [*r, *g, *b, 0];
+                for (i, texels) in texels.chunks_mut(8).enumerate() {
+                    let eight = irradiance.each_ref().map(|channel| f32x8::from(&channel[8 * i..][..8]));
+                    texels.copy_from_slice(&encode_eight(eight)[..texels.len()]);
                 }
             },
         );

@@ -6,6 +6,7 @@
 //! less than daylight. A texel is a shift away from the bits of an `f32`, which is what makes queries fast.
 
 use glam::Vec3;
+use wide::{f32x8, u32x8};
 
 /// Three encoded channels, and a fourth that is zero so that a texel is eight bytes.
 pub type Texel = [u16; 4];
@@ -28,10 +29,35 @@ pub fn encode(value: f32) -> u16 {
     if v < SMALLEST { 0 } else { rounded as u16 }
 }
 
+/// [`encode`] of eight values of each channel.
+#[inline(always)]
+pub(super) fn encode_eight(rgb: [f32x8; 3]) -> [Texel; 8] {
+    let by = u32x8::splat;
+    let [r, g, b] = rgb.map(|value| {
+        let v = value.simd_gt(f32x8::ZERO).select(value, f32x8::ZERO);
+        let v = v.simd_lt(f32x8::splat(LARGEST)).select(v, f32x8::splat(LARGEST));
+        let bits: u32x8 = bytemuck::cast(v * f32x8::splat(INVERSE_SCALE));
+        let rounded = (bits + by(0x0FFF) + ((bits >> by(13)) & by(1))) >> by(13);
+        let held: u32x8 = bytemuck::cast(v.simd_ge(f32x8::splat(SMALLEST)));
+        rounded & held
+    });
+    let (low, high) = ((r | g << by(16)).to_array(), b.to_array());
+    std::array::from_fn(|i| bytemuck::cast([low[i], high[i]]))
+}
+
 /// Value of a code.
 #[inline]
 pub fn decode(code: u16) -> f32 {
     f32::from_bits(u32::from(code) << 13) * SCALE
+}
+
+/// Red and blue of four texels, and their green and nothing, over [`SCALE`]: a shift and a mask for all lanes.
+#[inline(always)]
+pub(super) fn unscaled(texels: [Texel; 4]) -> [f32x8; 2] {
+    let kept = u32x8::splat(0x1FFF_E000);
+    let texels: u32x8 = bytemuck::cast(texels);
+    // By vectors: a shift by one number for all takes it from memory.
+    [texels << u32x8::splat(13), texels >> u32x8::splat(3)].map(|lanes| bytemuck::cast(lanes & kept))
 }
 
 /// Texel of three channels.
@@ -62,6 +88,20 @@ mod tests {
             }
             // Half a unit of the tenth mantissa bit.
             assert!((decode(encode(v)) - v).abs() <= v * 4.9e-4, "{v}");
+        }
+    }
+
+    #[test]
+    fn eight_at_once_are_each_alone() {
+        let odd = [f32::NAN, f32::INFINITY, -1.0, 0.0, 1e-12, SMALLEST, LARGEST, f32::MAX];
+        let values = (0..20_000).map(|i| 1e-10 * 1.002_f32.powi(i)).chain(odd);
+        let values: Vec<f32> = values.collect();
+        for eight in values.chunks_exact(8) {
+            let turned = |by: usize| std::array::from_fn(|i| eight[(i + by) % 8]);
+            let rgb: [[f32; 8]; 3] = [turned(0), turned(1), turned(2)];
+            for (i, texel) in encode_eight(rgb.map(f32x8::new)).into_iter().enumerate() {
+                assert_eq!(texel, [encode(rgb[0][i]), encode(rgb[1][i]), encode(rgb[2][i]), 0], "{eight:?}");
+            }
         }
     }
 

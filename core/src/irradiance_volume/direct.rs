@@ -8,7 +8,7 @@
 
 use super::VolumeSettings;
 use crate::{
-    math::{colour::luminance, random::r2_point, sphere_map::DirectionBins},
+    math::{colour::luminance, random::r2_point},
     scene::{
         accel::{Blockers, Ray},
         emitters::{AreaEmitter, Emitter},
@@ -320,34 +320,6 @@ const ARC: [f64; 8] = [
     10_395.0 / 599_040.0,
     135_135.0 / 9_676_800.0,
 ];
-
-/// Centres of the bins, one array an axis, for [`add_irradiance`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Centres([Vec<f32>; 3]);
-
-impl Centres {
-    /// Of some bins.
-    pub fn new(bins: DirectionBins) -> Self {
-        Self(std::array::from_fn(|axis| (0..bins.len()).map(|b| bins.centre(b)[axis]).collect()))
-    }
-}
-
-/// Adds what arrives to the irradiance of every bin, lx, one array a channel.
-pub fn add_irradiance(centres: &Centres, arrivals: &[Arrival], out: &mut [Vec<f32>; 3]) {
-    let Centres([x, y, z]) = centres;
-    let [red, green, blue] = out;
-    let count = x.len();
-    let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-    let (red, green, blue) = (&mut red[..count], &mut green[..count], &mut blue[..count]);
-    for Arrival { direction: d, normal_irradiance: e } in arrivals {
-        for i in 0..count {
-            let cosine = d.x.mul_add(x[i], d.y.mul_add(y[i], d.z * z[i])).max(0.0);
-            red[i] = e.x.mul_add(cosine, red[i]);
-            green[i] = e.y.mul_add(cosine, green[i]);
-            blue[i] = e.z.mul_add(cosine, blue[i]);
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

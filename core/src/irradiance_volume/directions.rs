@@ -4,7 +4,7 @@
 //! four bins around each corner of the bin grid in a table that fits the first-level cache.
 
 use crate::math::sphere_map::DirectionBins;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Bins and their weights for one direction; the weights sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,49 +54,71 @@ impl Directions {
 
     /// The bin that holds a unit direction.
     pub fn nearest(&self, direction: Vec3) -> usize {
-        let n = self.bins.n();
-        let (u, lower) = square(direction);
-        let cell = |v: f32| ((v * n as f32) as u32).min(n - 1);
-        (cell(u.y) * n + cell(u.x) + lower * n * n) as usize
+        self.nearest_each(&direction.to_array().map(|d| [d]))[0] as usize
     }
 
     /// The four bins whose centres surround a unit direction on its hemisphere's square, bilinear.
     pub fn interpolated(&self, direction: Vec3) -> BinWeights {
-        let n = self.bins.n();
-        let (u, lower) = square(direction);
-        let axis = |v: f32| {
-            let q = v * n as f32 + 0.5;
-            let cell = (q as u32).min(n);
-            (cell, q - cell as f32)
-        };
-        let ((c, x), (r, y)) = (axis(u.x), axis(u.y));
-        let bins = self.around[((lower * (n + 1) + r) * (n + 1) + c) as usize];
-        let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
-        BinWeights { bins, weights }
+        self.interpolated_each(&direction.to_array().map(|d| [d]))[0]
+    }
+
+    /// As [`Self::nearest`] for directions given axis by axis, so that the arithmetic runs over vectors.
+    #[inline]
+    pub(super) fn nearest_each<const N: usize>(&self, directions: &[[f32; N]; 3]) -> [u32; N] {
+        let n = self.bins.n() as f32;
+        std::array::from_fn(|i| {
+            let [u, v, lower] = square(directions.each_ref().map(|d| d[i]));
+            let cell = |v: f32| clamped((v * n).floor(), n - 1.0);
+            ((lower * n + cell(v)) * n + cell(u)) as u32
+        })
+    }
+
+    /// As [`Self::interpolated`] for directions given axis by axis.
+    #[inline]
+    pub(super) fn interpolated_each<const N: usize>(&self, directions: &[[f32; N]; 3]) -> [BinWeights; N] {
+        let n = self.bins.n() as f32;
+        let (mut corner, mut right, mut down) = ([0; N], [0.0; N], [0.0; N]);
+        for i in 0..N {
+            let [u, v, lower] = square(directions.each_ref().map(|d| d[i]));
+            let [column, row] = [u, v].map(|v| clamped((v * n + 0.5).floor(), n));
+            corner[i] = ((lower * (n + 1.0) + row) * (n + 1.0) + column) as u32;
+            (right[i], down[i]) = (u * n + 0.5 - column, v * n + 0.5 - row);
+        }
+        std::array::from_fn(|i| {
+            let (x, y) = (right[i], down[i]);
+            let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
+            BinWeights { bins: self.around[corner[i] as usize], weights }
+        })
     }
 }
 
+/// A value between 0 and a limit, by comparisons that are one instruction each; NaN gives 0.
+#[inline(always)]
+pub(super) fn clamped(v: f32, limit: f32) -> f32 {
+    let v = if v > 0.0 { v } else { 0.0 };
+    if v < limit { v } else { limit }
+}
+
 /// [`DirectionBins::square`] to 2e-6, and 1 for the lower hemisphere; NaN gives a corner.
-fn square(d: Vec3) -> (Vec2, u32) {
-    let lower = u32::from(d.y < 0.0);
+#[inline(always)]
+fn square([x, y, z]: [f32; 3]) -> [f32; 3] {
     // The disc point is (x, z) / √(1 + |y|) and its radius √(1 − |y|); only ratios enter the angle.
-    let radius = (1.0 - d.y.abs()).max(0.0).sqrt();
-    let (ax, az) = (d.x.abs(), d.z.abs());
+    let radius = clamped(1.0 - y.abs(), 1.0).sqrt();
+    let (ax, az) = (x.abs(), z.abs());
     let (long, short) = if ax > az { (ax, az) } else { (az, ax) };
-    let minor = radius * eighth_turns(short / long.max(f32::MIN_POSITIVE));
+    let long = if long > f32::MIN_POSITIVE { long } else { f32::MIN_POSITIVE };
+    let minor = radius * eighth_turns(short / long);
     let (px, pz) = if ax > az { (radius, minor) } else { (minor, radius) };
-    let place = |p: f32, sign: f32| {
-        let q = 0.5 + 0.5 * p.copysign(sign);
-        if q > 0.0 { q.min(1.0) } else { 0.0 }
-    };
-    (Vec2::new(place(px, d.x), place(pz, d.z)), lower)
+    let place = |p: f32, sign: f32| clamped(0.5 + 0.5 * p.copysign(sign), 1.0);
+    [place(px, x), place(pz, z), if y < 0.0 { 1.0 } else { 0.0 }]
 }
 
 /// atan(t) / (π/4) for t in [0, 1], to 1e-6: an odd polynomial through equally good points.
+#[inline(always)]
 fn eighth_turns(t: f32) -> f32 {
     let s = t * t;
-    let p = ATAN.iter().rev().fold(0.0f32, |p, c| p.mul_add(s, *c));
-    (t * p).min(1.0)
+    let p = t * ATAN.iter().rev().fold(0.0f32, |p, c| p.mul_add(s, *c));
+    if p < 1.0 { p } else { 1.0 }
 }
 
 /// Least-squares fit at Chebyshev points of atan(√s) / √s · 4/π over s in [0, 1].

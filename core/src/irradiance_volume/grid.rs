@@ -9,7 +9,7 @@
 //! geometry. The price is the thesis's: where a refined cell meets a plain one the interpolated value
 //! jumps, because the refined side has samples on the shared face that the plain side does not use.
 
-use super::overlap::triangle_meets_box;
+use super::{directions::clamped, overlap::triangle_meets_box};
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -34,6 +34,38 @@ pub struct Location {
     pub offset: Vec3,
     /// 1 or 2.
     pub level: u8,
+}
+
+/// Where some lookups ended, one entry a lookup.
+pub(super) struct Locations<const N: usize> {
+    /// Cell number.
+    pub cell: [u32; N],
+    /// Fractional offset in the cell, axis by axis.
+    pub offset: [[f32; N]; 3],
+    /// Whether the cell is one of the second level.
+    pub refined: [bool; N],
+}
+
+impl<const N: usize> Locations<N> {
+    /// One of them.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Location {
+        let offset = Vec3::from_array(self.offset.each_ref().map(|o| o[i]));
+        Location { cell: self.cell[i], offset, level: 1 + u8::from(self.refined[i]) }
+    }
+
+    /// [`trilinear`] of each, corner by corner.
+    #[inline]
+    pub fn trilinear(&self) -> [[f32; N]; 8] {
+        let mut weights = [[0.0; N]; 8];
+        for i in 0..N {
+            let of = trilinear(Vec3::from_array(self.offset.each_ref().map(|o| o[i])));
+            for (weights, w) in weights.iter_mut().zip(of) {
+                weights[i] = w;
+            }
+        }
+        weights
+    }
 }
 
 /// One sample's place.
@@ -150,19 +182,36 @@ impl BilevelGrid {
     /// The cell that holds a point, and where in it: Greger Eq. 4.4 to 4.6, at the first level and
     /// then, where there is one, at the second. A point outside is moved to the nearest one inside.
     pub fn locate(&self, point: Vec3) -> Location {
-        let (x, ox) = axis((point.x - self.low.x) * self.scale.x, self.size.x);
-        let (y, oy) = axis((point.y - self.low.y) * self.scale.y, self.size.y);
-        let (z, oz) = axis((point.z - self.low.z) * self.scale.z, self.size.z);
-        let first = (z * self.size.y + y) * self.size.x + x;
-        let base = self.second[first as usize];
-        if base == NONE {
-            return Location { cell: first, offset: Vec3::new(ox, oy, oz), level: 1 };
+        self.locate_each(&point.to_array().map(|p| [p])).of(0)
+    }
+
+    /// As [`Self::locate`] for points given axis by axis, so that the arithmetic runs over vectors. Numbers of
+    /// cells stay floats until the last: 200 cells an axis are exact.
+    #[inline]
+    pub(super) fn locate_each<const N: usize>(&self, points: &[[f32; N]; 3]) -> Locations<N> {
+        let (size, inner) = (self.size.as_vec3(), Vec3::splat(self.inner as f32));
+        let (mut at, mut offset) = ([[0.0; N]; 3], [[0.0; N]; 3]);
+        for axis in 0..3 {
+            let (low, scale) = (self.low[axis], self.scale[axis]);
+            for i in 0..N {
+                (at[axis][i], offset[axis][i]) = along((points[axis][i] - low) * scale, size[axis]);
+            }
         }
-        let n = self.inner;
-        let (x, ox) = axis(ox * n as f32, n);
-        let (y, oy) = axis(oy * n as f32, n);
-        let (z, oz) = axis(oz * n as f32, n);
-        Location { cell: base + (z * n + y) * n + x, offset: Vec3::new(ox, oy, oz), level: 2 }
+        let number = |at: &[[f32; N]; 3], size: Vec3| -> [u32; N] {
+            std::array::from_fn(|i| ((at[2][i] * size.y + at[1][i]) * size.x + at[0][i]) as u32)
+        };
+        let first = number(&at, size);
+        let second = first.map(|cell| self.second[cell as usize]);
+        for axis in 0..3 {
+            for i in 0..N {
+                let (within, fine) = along(offset[axis][i] * inner.x, inner.x);
+                at[axis][i] = within;
+                offset[axis][i] = if second[i] == NONE { offset[axis][i] } else { fine };
+            }
+        }
+        let within = number(&at, inner);
+        let cell = std::array::from_fn(|i| if second[i] == NONE { first[i] } else { second[i] + within[i] });
+        Locations { cell, offset, refined: second.map(|s| s != NONE) }
     }
 
     /// Bytes held.
@@ -172,6 +221,7 @@ impl BilevelGrid {
 }
 
 /// Weights of a cell's eight corners at an offset: products of o and 1 − o; they sum to 1.
+#[inline(always)]
 pub fn trilinear(o: Vec3) -> [f32; 8] {
     let (x, y, z) = ([1.0 - o.x, o.x], [1.0 - o.y, o.y], [1.0 - o.z, o.z]);
     let yz = [y[0] * z[0], y[1] * z[0], y[0] * z[1], y[1] * z[1]];
@@ -215,10 +265,11 @@ fn bounds(triangle: &[Vec3; 3]) -> (Vec3, Vec3) {
 }
 
 /// Cell number and fractional offset of Eq. 4.5 and 4.6, clamped to the grid; NaN counts as 0.
-fn axis(q: f32, cells: u32) -> (u32, f32) {
-    let q = q.max(0.0).min(cells as f32);
-    let cell = (q as u32).min(cells - 1);
-    (cell, q - cell as f32)
+#[inline(always)]
+fn along(q: f32, cells: f32) -> (f32, f32) {
+    let q = clamped(q, cells);
+    let cell = clamped(q.floor(), cells - 1.0);
+    (cell, q - cell)
 }
 
 fn unflatten(index: u32, size: UVec3) -> UVec3 {

@@ -1,13 +1,13 @@
-//! What stands in the way of samples, and what of it is remembered.
+//! What stands in the way of samples.
 //!
-//! A cell whose box no standing triangle meets is convex and empty, so all its samples see all its points.
-//! Any other cell is cut into parts: a sample at its corner sees all of a part if no standing triangle meets
-//! the box around both. Only for the others a ray is cast at each query. Not remembered is who sees nothing
-//! of a part: to take that from its corners made the office 0.2 % too bright.
+//! A cell whose box no standing triangle meets is convex and empty, so all its samples see all its points. In
+//! any other cell what is seen from where is found by rays, once for each leaf of [`Sight`], and remembered.
 
 use super::{
     Sample,
-    grid::{BilevelGrid, NONE, cells_with_geometry},
+    grid::{BilevelGrid, NONE},
+    overlap::triangle_meets_box,
+    sight::{Look, Sight},
     trust::SampleState,
 };
 use crate::scene::{
@@ -15,54 +15,33 @@ use crate::scene::{
     world::World,
 };
 use glam::{UVec3, Vec3};
+use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
-/// Parts along each edge of a cell; 4³ are the bits of a word.
-pub(super) const PARTS: u32 = 4;
-
-/// Parts of a whole grid that are looked through when a guard is made, at most: a byte each.
-pub(super) const MOST_PARTS: u64 = 1 << 28;
+/// First-level cells beyond the grid within which its samples are asked whether they see a point: where walls
+/// are, since the grid keeps a little away from them.
+pub(super) const MARGIN: f32 = 0.25;
 
 /// A cell as the guard knows it.
-pub(super) struct Watched {
-    pub low: Vec3,
-    pub size: Vec3,
-    /// Bits of the parts whose boxes standing triangles meet.
-    held: u64,
-    /// Bits of the samples that are at its corners; others were relocated.
-    corners: u8,
-    /// For each part whether no sample far and wide sees its corners or its middle; found when first asked.
-    pub dark: OnceLock<Box<[OnceLock<bool>]>>,
-}
-
-impl Watched {
-    /// The part that holds a point: its place along each axis, and its number.
-    pub fn part(&self, point: Vec3) -> (UVec3, usize) {
-        let at = ((point - self.low) / self.size * PARTS as f32).as_uvec3().min(UVec3::splat(PARTS - 1));
-        (at, ((at.z * PARTS + at.y) * PARTS + at.x) as usize)
-    }
-}
-
-/// Bits of the parts in the box around each part and each corner of a cell.
-fn boxes() -> Box<[[u64; 8]]> {
-    let between = |part: u32, corner: u32, other: u32| {
-        (0..3).all(|axis| {
-            let along = |i: u32| i / PARTS.pow(axis) % PARTS;
-            if corner >> axis & 1 == 1 { along(other) >= along(part) } else { along(other) <= along(part) }
-        })
-    };
-    let bits = |part, corner| {
-        (0..PARTS.pow(3)).fold(0, |bits, other| bits | u64::from(between(part, corner, other)) << other)
-    };
-    (0..PARTS.pow(3)).map(|part| std::array::from_fn(|corner| bits(part, corner as u32))).collect()
+#[derive(Default)]
+struct Watched {
+    /// Corner of the cell, at the grid's border moved outwards by [`MARGIN`].
+    low: Vec3,
+    /// The corner opposite.
+    high: Vec3,
+    /// Whether nothing stands in the cell and its samples are at its corners.
+    open: bool,
+    /// Standing triangles that meet the box.
+    triangles: Vec<u32>,
+    sight: OnceLock<Sight>,
 }
 
 /// What stands in the way of samples.
 #[derive(Clone)]
 pub struct Guard {
     standing: Arc<Accel>,
-    pub(super) cells: Arc<Vec<Watched>>,
-    boxes: Arc<[[u64; 8]]>,
+    triangles: Arc<Vec<[Vec3; 3]>>,
+    cells: Arc<Vec<Watched>>,
     /// For each first-level cell the valid samples in it and around it, found when first asked.
     pub(super) near: Arc<Vec<OnceLock<Vec<u32>>>>,
 }
@@ -74,88 +53,64 @@ impl std::fmt::Debug for Guard {
 }
 
 impl Guard {
-    /// Whether a grid of `size` cells, each cut in `inner` an axis, has few enough parts, [`MOST_PARTS`].
-    pub(super) fn fits(size: UVec3, inner: u32) -> bool {
-        (size * inner * PARTS).to_array().iter().map(|n| u64::from(*n)).product::<u64>() <= MOST_PARTS
-    }
-
     /// Of what stands still in a world.
     pub(super) fn new(world: &World, grid: &BilevelGrid, samples: &[Sample]) -> Self {
         let geometry = &world.geometry;
-        let standing: Vec<[Vec3; 3]> = (0..geometry.len())
+        let triangles: Vec<[Vec3; 3]> = (0..geometry.len())
             .filter(|&t| !geometry.movable[geometry.object[t] as usize])
             .map(|t| geometry.positions[t])
             .collect();
-        let (low, high) = grid.bounds();
-        let (size, inner) = (grid.size(), grid.inner());
-        let unflat = |i: u32, size: UVec3| UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y));
-        let all_parts = size * inner * PARTS;
-        let holding = cells_with_geometry(low, high, all_parts, &standing);
-        let holds = |at: UVec3| holding[((at.z * all_parts.y + at.y) * all_parts.x + at.x) as usize];
-        // A cell that begins at a part of the second level, each of its own parts `wide` of those wide.
-        let watched = |origin: UVec3, wide: u32, samples: &[u32; 8], all: &[Sample]| {
-            let held = |part: u32| {
-                let first = origin + unflat(part, UVec3::splat(PARTS)) * wide;
-                (0..wide.pow(3)).any(|i| holds(first + unflat(i, UVec3::splat(wide))))
-            };
-            let size = grid.cell_size() / inner as f32 * wide as f32;
-            let place = |&s: &u32| all[s as usize].state != SampleState::Relocated;
-            Watched {
-                low: low + origin.as_vec3() / (inner * PARTS) as f32 * grid.cell_size(),
-                size,
-                held: (0..PARTS.pow(3)).fold(0, |bits, part| bits | u64::from(held(part)) << part),
-                corners: samples.iter().zip(0..).fold(0, |bits, (s, i)| bits | u8::from(place(s)) << i),
-                dark: OnceLock::new(),
-            }
-        };
-        let corners = |cell: usize| &grid.cells()[cell].samples;
-        let first_level = size.element_product();
-        let mut cells: Vec<Watched> = (0..first_level)
-            .map(|c| watched(unflat(c, size) * inner * PARTS, inner, corners(c as usize), samples))
+        let mut cells = boxes(grid, samples);
+        let meetings: Vec<Vec<Meeting>> = triangles
+            .par_chunks(1024)
+            .enumerate()
+            .map(|(chunk, triangles)| {
+                let mut met = Vec::new();
+                for (triangle, i) in triangles.iter().zip(1024 * chunk as u32..) {
+                    meet(grid, &cells, i, triangle, &mut met);
+                }
+                met
+            })
             .collect();
-        // Second-level grids follow in the order of their first cells.
-        let mut grids: Vec<(u32, u32)> =
-            grid.second().iter().zip(0..).filter(|(s, _)| **s != NONE).map(|(s, c)| (*s, c)).collect();
-        grids.sort_unstable();
-        for (first, c) in grids {
-            assert_eq!(first as usize, cells.len(), "grids of the second level follow each other");
-            let origin = unflat(c, size) * inner;
-            cells.extend((0..inner.pow(3)).map(|s| {
-                let at = origin + unflat(s, UVec3::splat(inner));
-                watched(at * PARTS, 1, corners((first + s) as usize), samples)
-            }));
+        for Meeting { cell, triangle, within } in meetings.into_iter().flatten() {
+            let cell = &mut cells[cell as usize];
+            cell.triangles.push(triangle);
+            cell.open &= !within;
         }
-        let near = (0..size.element_product()).map(|_| OnceLock::new()).collect();
         Self {
             standing: Arc::new(world.accel.standing()),
+            triangles: Arc::new(triangles),
             cells: Arc::new(cells),
-            boxes: boxes().into(),
-            near: Arc::new(near),
+            near: Arc::new(grid.second().iter().map(|_| OnceLock::new()).collect()),
         }
     }
 
+    /// Whether all samples of a cell see all of it.
     #[inline(always)]
     pub(super) fn is_open(&self, cell: u32) -> bool {
-        let cell = &self.cells[cell as usize];
-        cell.held == 0 && cell.corners == u8::MAX
+        self.cells[cell as usize].open
     }
 
-    /// Which of a cell's samples see a point of it.
-    pub(super) fn seen(
-        &self,
-        cell: u32,
-        samples: [Vec3; 8],
-        point: Vec3,
-        blockers: &mut Blockers,
-    ) -> [bool; 8] {
+    /// Bytes held by now, without the tree that rays are asked of: it is the scene's.
+    pub(super) fn bytes(&self) -> usize {
+        let of = |cell: &Watched| {
+            size_of::<Watched>()
+                + size_of_val(&cell.triangles[..])
+                + cell.sight.get().map_or(0, |s| s.bytes())
+        };
+        size_of_val(&self.triangles[..]) + self.cells.iter().map(of).sum::<usize>()
+    }
+
+    /// What is known of a point of a cell or beside it; `find` tells what holds at a place, where nobody asked
+    /// before.
+    #[inline]
+    pub(super) fn look(&self, cell: u32, point: Vec3, find: impl Fn(Vec3) -> Look) -> Look {
         let watched = &self.cells[cell as usize];
-        let boxes = &self.boxes[watched.part(point).1];
-        let mut seen = [true; 8];
-        for (i, seen) in seen.iter_mut().enumerate() {
-            let free = watched.corners >> i & 1 == 1 && watched.held & boxes[i] == 0;
-            *seen = free || self.sees(samples[i], point, blockers);
-        }
-        seen
+        let sight = watched.sight.get_or_init(|| {
+            let triangles: Vec<_> = watched.triangles.iter().map(|&t| self.triangles[t as usize]).collect();
+            Sight::new([watched.low, watched.high], &triangles)
+        });
+        sight.look(point, find)
     }
 
     /// Whether nothing that stands lies between a sample and a point, ends not counted; what hides one
@@ -164,5 +119,78 @@ impl Guard {
         // From the sample: the ray stops just short of the point, which may lie on a surface.
         let ray = Ray::between(sample, point);
         ray.is_degenerate() || !self.standing.occluded_past(&ray, blockers)
+    }
+}
+
+/// Boxes of the cells that lookups end in; those of refined cells stay empty.
+fn boxes(grid: &BilevelGrid, samples: &[Sample]) -> Vec<Watched> {
+    let (low, high) = grid.bounds();
+    let margin = MARGIN * grid.cell_size();
+    let free = |cell: u32| {
+        let ids = grid.cells()[cell as usize].samples;
+        ids.iter().all(|&s| samples[s as usize].state != SampleState::Relocated)
+    };
+    let mut cells: Vec<Watched> = grid.cells().iter().map(|_| Watched::default()).collect();
+    let mut put = |cell: u32, at: UVec3, parts: u32| {
+        let corner = |at: UVec3| low + at.as_vec3() / parts as f32 * grid.cell_size();
+        let size = (grid.size() * parts).as_vec3();
+        let (first, last) = (at.as_vec3().cmpeq(Vec3::ZERO), (at + 1).as_vec3().cmpeq(size));
+        let watched = &mut cells[cell as usize];
+        watched.low = Vec3::select(first, low - margin, corner(at));
+        watched.high = Vec3::select(last, high + margin, corner(at + 1));
+        watched.open = free(cell);
+    };
+    let inner = grid.inner();
+    for (c, &second) in (0..).zip(grid.second()) {
+        let at = unflat(c, grid.size());
+        if second == NONE {
+            put(c, at, 1);
+            continue;
+        }
+        for s in 0..inner.pow(3) {
+            put(second + s, at * inner + unflat(s, UVec3::splat(inner)), inner);
+        }
+    }
+    cells
+}
+
+fn unflat(i: u32, size: UVec3) -> UVec3 {
+    UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y))
+}
+
+/// A triangle that meets a cell's box, and whether it meets the cell itself.
+struct Meeting {
+    cell: u32,
+    triangle: u32,
+    within: bool,
+}
+
+/// The cells whose boxes a triangle meets.
+fn meet(grid: &BilevelGrid, cells: &[Watched], number: u32, triangle: &[Vec3; 3], met: &mut Vec<Meeting>) {
+    let [a, b, c] = *triangle;
+    let (from, to) = (a.min(b).min(c), a.max(b).max(c));
+    let (low, high) = grid.bounds();
+    let last = grid.size() - 1;
+    let cell_at = |p: Vec3| ((p - low) / grid.cell_size()).max(Vec3::ZERO).as_uvec3().min(last);
+    let (first, end) = (cell_at(from), cell_at(to));
+    for z in first.z..=end.z {
+        for y in first.y..=end.y {
+            for x in first.x..=end.x {
+                let c = (z * grid.size().y + y) * grid.size().x + x;
+                let second = grid.second()[c as usize];
+                let parts = if second == NONE { c..c + 1 } else { second..second + grid.inner().pow(3) };
+                for cell in parts {
+                    let watched = &cells[cell as usize];
+                    let meets = |low: Vec3, high: Vec3| {
+                        (from.cmple(high) & to.cmpge(low)).all()
+                            && triangle_meets_box(*triangle, 0.5 * (low + high), 0.5 * (high - low))
+                    };
+                    if meets(watched.low, watched.high) {
+                        let within = meets(watched.low.max(low), watched.high.min(high));
+                        met.push(Meeting { cell, triangle: number, within });
+                    }
+                }
+            }
+        }
     }
 }

@@ -25,6 +25,7 @@
 
 pub mod adaptive;
 pub mod bases;
+mod batch;
 pub mod budget;
 mod cache;
 pub mod codec;
@@ -51,8 +52,10 @@ pub mod probe;
 pub mod quadrature;
 pub mod query;
 pub mod rays;
+mod received;
 pub mod self_occlusion;
 pub mod settings;
+mod sight;
 pub mod slice;
 pub mod solve;
 pub mod trust;
@@ -214,6 +217,7 @@ impl IrradianceVolume {
             + self.grid.bytes()
             + size_of_val(&self.samples[..])
             + self.arrivals.iter().map(|a| a.bytes()).sum::<usize>()
+            + self.guard.as_ref().map_or(0, Guard::bytes)
     }
 }
 

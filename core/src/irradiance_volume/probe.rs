@@ -3,10 +3,11 @@
 use super::{
     VolumeError, VolumeSettings,
     cache::Met,
-    direct::{Arrival, Centres, add_irradiance, arrivals},
+    direct::{Arrival, arrivals},
     moments::{Order, moment_by_definition, moment_of_arrivals},
     quadrature::{BLOCK, LANES, Quadrature},
     rays::{Targets, trace_point},
+    received::{Centres, Received},
     solve::SurfaceLight,
 };
 use crate::{
@@ -134,12 +135,16 @@ impl Probe {
         }
         let mut out = vec![[0.0; LANES]; bins.len()];
         Quadrature::new(bins).irradiance(&lanes, &mut out);
-        let mut sums = std::array::from_fn(|_| vec![0.0; bins.len()]);
         let centres = Centres::new(bins);
+        let mut received = Received::new(&centres);
         let arrivals: Vec<Arrival> =
             world.emitters.list.iter().flat_map(|e| arrivals(world, e, position, settings)).collect();
-        add_irradiance(&centres, &arrivals, &mut sums);
-        let [r, g, b] = sums;
+        received.add(&arrivals);
+        let [r, g, b] = [0, 1, 2].map(|channel| {
+            let mut irradiance = vec![0.0; bins.len()];
+            received.irradiance(channel, &mut irradiance);
+            irradiance
+        });
         Self {
             position,
             bins,

@@ -15,8 +15,9 @@
 //! 1 % at n = 9: constant radiance L then gives πL in every direction.
 
 use crate::math::sphere_map::DirectionBins;
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
+use wide::f32x8;
 
 /// Samples worked on together.
 pub const BLOCK: usize = 8;
@@ -189,26 +190,23 @@ fn combined(signs: [f32; 4], parts: [&Lanes; 4]) -> Lanes {
     sum
 }
 
-/// Dense product, a few rows and one channel at a time so that the sums stay in registers.
+/// Dense product, a few rows at a time so that the sums stay in registers.
 pub(super) fn product(kernel: &[f32], data: &[Lanes], out: &mut [Lanes]) {
     const ROWS: usize = 4;
     let columns = data.len();
     for (rows, out) in kernel.chunks(ROWS * columns).zip(out.chunks_mut(ROWS)) {
         // The last rows may be fewer: they are computed as often as there is room, and kept once.
         let row: [&[f32]; ROWS] = std::array::from_fn(|r| &rows[r.min(out.len() - 1) * columns..][..columns]);
-        for first in (0..LANES).step_by(BLOCK) {
-            let mut sums = [[Vec4::ZERO; 2]; ROWS];
-            for (i, lanes) in data.iter().enumerate() {
-                let [a, b] = [Vec4::from_slice(&lanes[first..]), Vec4::from_slice(&lanes[first + 4..])];
-                for (sum, row) in sums.iter_mut().zip(row) {
-                    let k = Vec4::splat(row[i]);
-                    *sum = [k.mul_add(a, sum[0]), k.mul_add(b, sum[1])];
-                }
+        let mut sums = [[f32x8::ZERO; 3]; ROWS];
+        for (i, lanes) in data.iter().enumerate() {
+            let lanes: [f32x8; 3] = bytemuck::cast(*lanes);
+            for (sum, row) in sums.iter_mut().zip(row) {
+                let k = f32x8::splat(row[i]);
+                *sum = std::array::from_fn(|c| k.mul_add(lanes[c], sum[c]));
             }
-            for (out, sum) in out.iter_mut().zip(sums) {
-                sum[0].write_to_slice(&mut out[first..]);
-                sum[1].write_to_slice(&mut out[first + 4..]);
-            }
+        }
+        for (out, sum) in out.iter_mut().zip(sums) {
+            *out = bytemuck::cast(sum);
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::{
     Basis, IrradianceVolume,
-    codec::{SCALE, Texel, decode_rgb},
+    codec::{SCALE, Texel, decode_rgb, unscaled},
+    directions::BinWeights,
     grid::trilinear,
     harmonics,
     moments::Order,
@@ -15,8 +16,8 @@ use crate::{
         world::World,
     },
 };
-use glam::Vec3;
-use rayon::prelude::*;
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use wide::f32x8;
 
 /// Which samples light a point, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +53,6 @@ impl Corners {
     }
 }
 
-/// Queries of a batch that are located before the first is answered, so that their loads overlap.
-const AHEAD: usize = 64;
-
 impl IrradianceVolume {
     /// Irradiance at a point on a surface facing the unit vector `normal`, lx per channel.
     ///
@@ -71,13 +69,15 @@ impl IrradianceVolume {
 
     /// As [`Self::irradiance`], bilinear between the four bins around the normal.
     pub fn irradiance_bins(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        self.between_bins(&self.corners(position), normal, part)
+        let bins = self.directions.interpolated(normal);
+        self.between_bins(self.tables_of(part), &self.corners(position), &bins)
     }
 
     /// As [`Self::irradiance`] but from the one bin that holds the normal, as the thesis has it: faster,
     /// and off by up to half a bin's width in direction.
     pub fn irradiance_nearest_bin(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        self.of_nearest_bin(&self.corners(position), normal, part)
+        let bin = self.directions.nearest(normal);
+        self.of_bin(self.tables_of(part), &self.corners(position), bin)
     }
 
     /// As [`Self::irradiance`] but from nine spherical-harmonic coefficients: fastest, and without what
@@ -104,39 +104,6 @@ impl IrradianceVolume {
             Part::Direct => direct(),
             Part::Indirect => indirect(),
             Part::All => direct() + indirect(),
-        }
-    }
-
-    /// Many queries (position, unit normal) at once, on all threads.
-    ///
-    /// # Panics
-    /// If `out` has another length than `queries`.
-    pub fn irradiance_many(&self, queries: &[(Vec3, Vec3)], part: Part, out: &mut [Vec3]) {
-        assert_eq!(queries.len(), out.len(), "one result a query");
-        let chunks = queries.par_chunks(1024).zip(out.par_chunks_mut(1024));
-        chunks.for_each(|(queries, out)| self.irradiance_batch(queries, part, out));
-    }
-
-    /// As [`Self::irradiance_many`] on one thread. Cells are found for some dozen queries before the first
-    /// is answered: a third faster than one query after the other.
-    ///
-    /// # Panics
-    /// If `out` has another length than `queries`.
-    pub fn irradiance_batch(&self, queries: &[(Vec3, Vec3)], part: Part, out: &mut [Vec3]) {
-        assert_eq!(queries.len(), out.len(), "one result a query");
-        let mut corners = [Corners::default(); AHEAD];
-        for (queries, out) in queries.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
-            for (corners, (position, _)) in corners.iter_mut().zip(queries) {
-                *corners = self.corners(*position);
-            }
-            let located = corners.iter().zip(queries).zip(out);
-            match self.settings.basis {
-                Basis::Bins => located.for_each(|((c, q), out)| *out = self.between_bins(c, q.1, part)),
-                Basis::NearestBin => {
-                    located.for_each(|((c, q), out)| *out = self.of_nearest_bin(c, q.1, part));
-                }
-                Basis::Harmonics => located.for_each(|((c, q), out)| *out = self.of_harmonics(c, q.1, part)),
-            }
         }
     }
 
@@ -181,26 +148,43 @@ impl IrradianceVolume {
     /// Irradiance at one sample alone, by a basis.
     pub(super) fn at_sample(&self, sample: u32, normal: Vec3, part: Part, basis: Basis) -> Vec3 {
         let corners = Corners::alone(sample);
+        let tables = self.tables_of(part);
         match basis {
-            Basis::Bins => self.between_bins(&corners, normal, part),
-            Basis::NearestBin => self.of_nearest_bin(&corners, normal, part),
+            Basis::Bins => self.between_bins(tables, &corners, &self.directions.interpolated(normal)),
+            Basis::NearestBin => self.of_bin(tables, &corners, self.directions.nearest(normal)),
             Basis::Harmonics => self.of_harmonics(&corners, normal, part),
         }
     }
 
-    #[inline(always)]
     fn corners(&self, position: Vec3) -> Corners {
         let at = self.grid.locate(position);
         let cell = &self.grid.cells()[at.cell as usize];
-        let weights = trilinear(at.offset);
-        let weights = if cell.valid == u8::MAX { weights } else { usable(weights, cell.valid) };
-        let corners = Corners { ids: cell.samples, weights };
-        let guarded = self.guard.as_ref().is_some_and(|g| !g.is_open(at.cell));
+        let corners = Corners { ids: cell.samples, weights: trilinear(at.offset) };
+        if self.is_plain(position, at.cell) { corners } else { self.corrected(position, at.cell, corners) }
+    }
+
+    /// Whether trilinear weights hold at a point of a cell as they are: inside the grid, with all samples in free
+    /// air, and nothing in the cell that could hide one.
+    #[inline(always)]
+    pub(super) fn is_plain(&self, position: Vec3, cell: u32) -> bool {
         let (low, high) = self.grid.bounds();
-        if guarded || !(position.cmpge(low).all() && position.cmple(high).all()) {
-            return self.careful(position, corners, at.cell, cell.valid).corners;
+        self.grid.cells()[cell as usize].valid == u8::MAX
+            && self.guard.as_ref().is_none_or(|g| g.is_open(cell))
+            && (position.cmpge(low) & position.cmple(high)).all()
+    }
+
+    /// Trilinear weights without the samples that may not be used and those that are hidden.
+    #[inline(never)]
+    pub(super) fn corrected(&self, position: Vec3, cell: u32, corners: Corners) -> Corners {
+        let valid = self.grid.cells()[cell as usize].valid;
+        let weights = if valid == u8::MAX { corners.weights } else { usable(corners.weights, valid) };
+        let corners = Corners { weights, ..corners };
+        let (low, high) = self.grid.bounds();
+        let inside = (position.cmpge(low) & position.cmple(high)).all();
+        if inside && self.guard.as_ref().is_none_or(|g| g.is_open(cell)) {
+            return corners;
         }
-        corners
+        self.careful(position, corners, cell, valid).corners
     }
 
     /// Moment of an order at a point towards a unit direction, lx per channel (Greger Eq. 4.8): for a glossy
@@ -211,8 +195,8 @@ impl IrradianceVolume {
             return Some(self.irradiance(position, direction, part));
         }
         let table = self.tables.moments.iter().find(|m| m.order == order)?;
-        let tables = [&table.direct[..], &table.indirect[..]];
-        Some(self.between_bins_of(tables, &self.corners(position), direction, part))
+        let tables = of_part([&table.direct, &table.indirect], part);
+        Some(self.between_bins(tables, &self.corners(position), &self.directions.interpolated(direction)))
     }
 
     /// Moment of every bin of one sample, lx per channel; `None` where the volume does not hold the order.
@@ -227,74 +211,65 @@ impl IrradianceVolume {
         Some(self.decoded([&table.direct, &table.indirect], sample, part))
     }
 
-    #[inline(always)]
-    fn between_bins(&self, corners: &Corners, normal: Vec3, part: Part) -> Vec3 {
-        self.between_bins_of([&self.tables.direct, &self.tables.indirect], corners, normal, part)
+    /// The tables whose sum is a part of the light.
+    pub(super) fn tables_of(&self, part: Part) -> Summed<'_> {
+        of_part([&self.tables.direct, &self.tables.indirect], part)
     }
 
+    /// Between four bins of eight samples.
     #[inline(always)]
-    fn between_bins_of(
-        &self,
-        tables: [&[Texel]; 2],
-        Corners { ids, weights }: &Corners,
-        normal: Vec3,
-        part: Part,
-    ) -> Vec3 {
-        let b = self.directions.interpolated(normal);
-        self.sum(tables, part, |table, stride| {
-            let mut sum = [0.0f32; 4];
-            for i in 0..8 {
-                let sample = &table[ids[i] as usize * stride..][..stride];
-                let w = weights[i] * SCALE;
-                for k in 0..4 {
-                    add(&mut sum, &sample[b.bins[k] as usize], w * b.weights[k]);
-                }
-            }
-            sum
-        })
-    }
-
-    #[inline(always)]
-    fn of_nearest_bin(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
-        let bin = self.directions.nearest(normal);
-        let tables = [&self.tables.direct[..], &self.tables.indirect[..]];
-        self.sum(tables, part, |table, stride| {
-            let mut sum = [0.0f32; 4];
-            for i in 0..8 {
-                add(&mut sum, &table[ids[i] as usize * stride + bin], weights[i] * SCALE);
-            }
-            sum
-        })
-    }
-
-    #[inline(always)]
-    fn of_harmonics(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
-        harmonics::evaluate(self.tables.harmonics().of(part), ids, weights, &harmonics::towards(normal))
-    }
-
-    #[inline(always)]
-    fn sum(
-        &self,
-        [direct, indirect]: [&[Texel]; 2],
-        part: Part,
-        lookup: impl Fn(&[Texel], usize) -> [f32; 4],
-    ) -> Vec3 {
+    pub(super) fn between_bins(&self, tables: Summed, corners: &Corners, between: &BinWeights) -> Vec3 {
         let stride = self.bins().len();
-        let vector = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
-        match part {
-            Part::Direct => vector(lookup(direct, stride)),
-            Part::Indirect => vector(lookup(indirect, stride)),
-            Part::All => vector(lookup(direct, stride)) + vector(lookup(indirect, stride)),
+        let mut total = Vec3::ZERO;
+        for table in tables.into_iter().flatten() {
+            let mut sums = [f32x8::ZERO; 2];
+            for (id, weight) in corners.ids.iter().zip(corners.weights) {
+                let sample = &table[*id as usize * stride..][..stride];
+                let [red_blue, green] = unscaled(between.bins.map(|b| sample[b as usize]));
+                let weight = f32x8::splat(weight);
+                sums = [red_blue.mul_add(weight, sums[0]), green.mul_add(weight, sums[1])];
+            }
+            let [rb, g] = sums.map(f32x8::to_array);
+            for (i, weight) in between.weights.into_iter().enumerate() {
+                total += Vec3::new(rb[2 * i], g[2 * i], rb[2 * i + 1]) * (weight * SCALE);
+            }
         }
+        total
+    }
+
+    /// One bin of eight samples.
+    #[inline(always)]
+    pub(super) fn of_bin(&self, tables: Summed, corners: &Corners, bin: usize) -> Vec3 {
+        let stride = self.bins().len();
+        let mut total = Vec3::ZERO;
+        for table in tables.into_iter().flatten() {
+            let mut sums = [f32x8::ZERO; 2];
+            for half in [0, 4] {
+                let sample = |i: usize| table[corners.ids[half + i] as usize * stride + bin];
+                let [red_blue, green] = unscaled(std::array::from_fn(sample));
+                let weights = Vec4::from_slice(&corners.weights[half..]);
+                let weight: f32x8 = bytemuck::cast([weights.xxyy(), weights.zzww()]);
+                sums = [red_blue.mul_add(weight, sums[0]), green.mul_add(weight, sums[1])];
+            }
+            let [rb, g] = sums.map(f32x8::to_array);
+            for i in 0..4 {
+                total += Vec3::new(rb[2 * i], g[2 * i], rb[2 * i + 1]) * SCALE;
+            }
+        }
+        total
+    }
+
+    #[inline(always)]
+    pub(super) fn of_harmonics(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
+        harmonics::evaluate(self.tables.harmonics().of(part), ids, weights, &harmonics::towards(normal))
     }
 }
 
-/// Adds a weighted texel; the weight carries the codec's scale.
-#[inline(always)]
-fn add(sum: &mut [f32; 4], texel: &Texel, weight: f32) {
-    for (s, code) in sum.iter_mut().zip(texel) {
-        *s = f32::from_bits(u32::from(*code) << 13).mul_add(weight, *s);
-    }
+/// One table or two, whose values are added.
+pub(super) type Summed<'a> = [Option<&'a [Texel]>; 2];
+
+fn of_part<'a>([direct, indirect]: [&'a [Texel]; 2], part: Part) -> Summed<'a> {
+    [(part != Part::Indirect).then_some(direct), (part != Part::Direct).then_some(indirect)]
 }
 
 /// Weights without the samples that are not valid, summing to 1 again; all of them where none is.

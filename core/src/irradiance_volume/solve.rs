@@ -11,7 +11,6 @@ use super::{
     codec::Texel,
     direct::{Arrivals, Asking},
     directions::Directions,
-    guard::Guard,
     ignored::Ignored,
     rays::{Patch, PointHits, Targets, trace_point},
     trust::{Fills, Repair, SampleState, relocated},
@@ -214,8 +213,7 @@ impl IrradianceVolume {
     ) -> Option<Self> {
         let VolumeSettings { basis, guard, ref moments, .. } = *settings;
         let alike = VolumeSettings { basis, guard, moments: moments.clone(), ..self.settings.clone() };
-        let too_fine = guard && !Guard::fits(self.grid.size(), self.grid.inner());
-        if alike != *settings || !self.can_relight() || too_fine {
+        if alike != *settings || !self.can_relight() {
             return None;
         }
         let mut volume = self.with_basis(basis);

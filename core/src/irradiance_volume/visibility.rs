@@ -8,8 +8,8 @@
 //! without a sign.
 //!
 //! Rays, and not distances remembered by the samples: the mean distance in a direction with Chebyshev's
-//! bound (Majercik et al. 2019) lets some per cent through and must blur over a bin 8° wide, while eight
-//! rays are exact. They are rarely needed: see [`guard`](super::guard).
+//! bound (Majercik et al. 2019) lets some per cent through and must blur over a bin 8° wide. What rays find is
+//! remembered, see [`guard`](super::guard) and [`sight`](super::sight).
 //!
 //! Limits: objects that can be moved do not hide samples, wherever they stand, so that an object is not
 //! hidden from the light by itself. Where a sample comes into sight, the interpolated light jumps.
@@ -17,12 +17,12 @@
 use super::{
     IrradianceVolume, VolumeSettings,
     grid::NONE,
-    guard::{Guard, PARTS},
+    guard::{Guard, MARGIN},
     query::Corners,
+    sight::Look,
 };
 use crate::scene::{accel::Blockers, world::World};
 use glam::{UVec3, Vec3};
-use std::sync::OnceLock;
 
 /// Whether the samples of a query could be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,9 +38,8 @@ pub enum PointState {
     Unseen,
 }
 
-/// Cells beyond the grid over which a query fades from its border to the nearest sample: from, to. The
-/// first part is where walls are, since the grid keeps a little away from them.
-const FADE: [f32; 2] = [0.25, 1.25];
+/// Cells beyond the grid over which a query fades from its border to the nearest sample: from, to.
+const FADE: [f32; 2] = [MARGIN, 1.0 + MARGIN];
 
 /// Samples around a point asked at most when all eight of its cell are hidden.
 const ASKED: usize = 64;
@@ -54,12 +53,9 @@ pub(super) struct Careful {
 
 impl IrradianceVolume {
     /// The same volume whose queries use only samples that see the point, past what stands still in
-    /// `world`; `None` takes the guard away. A grid too fine for a guard, which [`VolumeSettings::check`] refuses
-    /// where one is asked for, stays without.
+    /// `world`; `None` takes the guard away.
     pub fn with_guard(&self, world: Option<&World>) -> Self {
-        let guard = world
-            .filter(|_| Guard::fits(self.grid.size(), self.grid.inner()))
-            .map(|w| Guard::new(w, &self.grid, &self.samples));
+        let guard = world.map(|w| Guard::new(w, &self.grid, &self.samples));
         let settings = VolumeSettings { guard: guard.is_some(), ..self.settings.clone() };
         Self { guard, settings, ..self.clone() }
     }
@@ -78,8 +74,6 @@ impl IrradianceVolume {
 
     /// Weights of a point outside the grid or in a cell that holds geometry. `usable` has a bit for each
     /// sample that may be used.
-    #[cold]
-    #[inline(never)]
     pub(super) fn careful(&self, point: Vec3, mut corners: Corners, cell: u32, usable: u8) -> Careful {
         let (low, high) = self.grid.bounds();
         let beyond = (point - point.clamp(low, high)).abs();
@@ -93,35 +87,24 @@ impl IrradianceVolume {
             && over <= FADE[0]
             && (outside > 0.0 || !guard.is_open(cell))
         {
-            let mut blockers = Blockers::default();
-            let samples = corners.ids.map(|id| self.samples[id as usize].position);
-            seen = if outside > 0.0 {
-                samples.map(|sample| guard.sees(sample, point, &mut blockers))
-            } else {
-                guard.seen(cell, samples, point, &mut blockers)
+            let find = |p: Vec3| self.seen_from(guard, p, cell, usable);
+            let look = match guard.look(cell, point, find) {
+                Look::Ask => find(point),
+                look => look,
             };
-            let hidden = (0..8).any(|i| !seen[i] && corners.weights[i] > 0.0);
-            let kept: [f32; 8] = std::array::from_fn(|i| if seen[i] { corners.weights[i] } else { 0.0 });
-            let sum: f32 = kept.iter().sum();
-            let may = |i: usize| seen[i] && usable >> i & 1 == 1;
-            if !hidden {
-                // As without a guard, to the last bit.
-            } else if sum > 0.0 {
-                corners.weights = kept.map(|w| w / sum);
-            } else if (0..8).any(may) {
-                // On a face whose samples are hidden: the others of the cell, alike.
-                let count = (0..8).filter(|&i| may(i)).count() as f32;
-                corners.weights = std::array::from_fn(|i| if may(i) { 1.0 / count } else { 0.0 });
-            } else if let Some(near) = (outside > 0.0 || !self.is_dark(guard, cell, point))
-                .then(|| self.lender(guard, point, &mut blockers))
-                .flatten()
-            {
-                corners = Corners::alone(near);
-                seen = [true; 8];
-                state = PointState::Borrowed;
-            } else {
-                corners.weights = [0.0; 8];
-                state = PointState::Unseen;
+            match look {
+                Look::Samples(bits) => {
+                    seen = std::array::from_fn(|i| bits >> i & 1 == 1);
+                    corners.weights = shared(corners.weights, bits, usable);
+                }
+                Look::Lender(sample) => {
+                    corners = Corners::alone(sample);
+                    state = PointState::Borrowed;
+                }
+                Look::Nothing | Look::Ask => {
+                    (corners.weights, seen) = ([0.0; 8], [false; 8]);
+                    state = PointState::Unseen;
+                }
             }
         }
         let fade = ((over - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
@@ -138,19 +121,19 @@ impl IrradianceVolume {
         Careful { corners, seen, state }
     }
 
-    /// Whether a point lies in a part of its cell of which nothing is seen: inside a solid, as a rule.
-    fn is_dark(&self, guard: &Guard, cell: u32, point: Vec3) -> bool {
-        let watched = &guard.cells[cell as usize];
-        let (at, part) = watched.part(point);
-        let parts = watched.dark.get_or_init(|| (0..PARTS.pow(3)).map(|_| OnceLock::new()).collect());
-        *parts[part].get_or_init(|| {
-            let step = watched.size / PARTS as f32;
-            let corner = watched.low + at.as_vec3() * step;
-            let places = (0..8u32).map(|c| UVec3::new(c & 1, c >> 1 & 1, c >> 2).as_vec3());
-            let mut places = places.chain([Vec3::splat(0.5)]).map(|p| corner + p * step);
-            let mut blockers = Blockers::default();
-            places.all(|p| self.lender(guard, p, &mut blockers).is_none())
-        })
+    /// What rays tell of a point: the samples of its cell that see it, or else one around that does.
+    #[cold]
+    fn seen_from(&self, guard: &Guard, point: Vec3, cell: u32, usable: u8) -> Look {
+        let mut blockers = Blockers::default();
+        let ids = self.grid.cells()[cell as usize].samples;
+        let seen = (0..8).fold(0u8, |bits, i| {
+            let sample = self.samples[ids[i] as usize].position;
+            bits | u8::from(guard.sees(sample, point, &mut blockers)) << i
+        });
+        if seen & usable != 0 {
+            return Look::Samples(seen);
+        }
+        self.lender(guard, point, &mut blockers).map_or(Look::Nothing, Look::Lender)
     }
 
     /// The nearest sample in the first-level cells around a point that sees it, of a few.
@@ -201,4 +184,21 @@ impl IrradianceVolume {
         found.dedup();
         found
     }
+}
+
+/// Weights shared among the samples that see a point, of which one is usable at least.
+fn shared(weights: [f32; 8], seen: u8, usable: u8) -> [f32; 8] {
+    let bit = |bits: u8, i: usize| f32::from(bits >> i & 1);
+    if (0..8).all(|i| weights[i] == 0.0 || seen >> i & 1 == 1) {
+        // As without a guard, to the last bit.
+        return weights;
+    }
+    let kept: [f32; 8] = std::array::from_fn(|i| bit(seen, i) * weights[i]);
+    let sum: f32 = kept.iter().sum();
+    if sum > 0.0 {
+        return kept.map(|w| w / sum);
+    }
+    // On a face whose samples are hidden: the others of the cell, alike.
+    let may = seen & usable;
+    std::array::from_fn(|i| bit(may, i) / may.count_ones() as f32)
 }
