@@ -593,7 +593,9 @@ fn leaks_are_printed_and_what_is_too_large_is_refused_in_one_line() {
     run(&[&["volume", &rooms, "--samples", "5,4,4", "--second-level", "2", "--bins-n", "5"][..], &boxes]
         .concat())
     .unwrap();
-    let error = run(&["volume", &rooms, "--out", "no.volume", "--samples", "200,200,200", "--guard", "false"]).unwrap_err();
+    let error =
+        run(&["volume", &rooms, "--out", "no.volume", "--samples", "200,200,200", "--guard", "false"])
+            .unwrap_err();
     assert!(error.contains("GB") && !error.contains('\n'), "{error}");
     assert_eq!(error.matches("irradiance volume").count(), 1, "said once: {error}");
 }

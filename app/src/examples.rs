@@ -12,6 +12,8 @@ pub enum Example {
     Cornell,
     /// A teapot on a glossy table.
     Teapot,
+    /// The same in chrome.
+    Chrome,
     /// A pyramid of copper on a mirror.
     Pyramid,
     /// A house with a music room: five mirrors.
@@ -41,7 +43,8 @@ macro_rules! scene_files {
 
 impl Example {
     /// Examples to look at, in the order they are offered.
-    pub const ALL: [Self; 5] = [Self::Office, Self::Cornell, Self::Teapot, Self::Pyramid, Self::House];
+    pub const ALL: [Self; 6] =
+        [Self::Office, Self::Cornell, Self::Teapot, Self::Chrome, Self::Pyramid, Self::House];
 
     /// Examples whose light is known in closed form, or known to be hard.
     pub const ANALYTIC: [Self; 7] = [
@@ -65,6 +68,7 @@ impl Example {
             Self::Office => "Office",
             Self::Cornell => "Cornell box",
             Self::Teapot => "Teapot on a glossy table",
+            Self::Chrome => "Chrome teapot",
             Self::Pyramid => "Copper pyramid",
             Self::House => "House with a music room",
             Self::FourWalls => "Four constant walls",
@@ -85,6 +89,7 @@ impl Example {
             Self::Teapot => {
                 "A glossy table between a teapot and a chequered wall: reflections blur with distance."
             }
+            Self::Chrome => "A curved reflector: it shows a map of the light around its middle.",
             Self::Pyramid => {
                 "Flat mirrors of copper: reflectance that grows and pales towards grazing angles."
             }
@@ -109,6 +114,7 @@ impl Example {
             Self::Office => "example:office",
             Self::Cornell => "example:cornell",
             Self::Teapot => "example:teapot",
+            Self::Chrome => "example:chrome",
             Self::Pyramid => "example:pyramid",
             Self::House => "example:house",
             Self::FourWalls => "example:four_walls",
@@ -127,6 +133,7 @@ impl Example {
             Self::Office => scene_files!["office/office.ron", "office/office.glb"],
             Self::Cornell => scene_files!["cornell/cornell.ron", "cornell/cornell.glb"],
             Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
+            Self::Chrome => scene_files!["glossy/chrome.ron", "glossy/chrome.glb"],
             Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],
             Self::House => {
                 scene_files!["house/house.ron", "house/music_room.glb", "house/living_room.glb"]

@@ -1,7 +1,9 @@
 //! The only file that names every room: one row a view, for the program, the command line and the tour.
 
 use crate::{
-    glossy::{inspect::KernelView, inspect_point::KernelPoint, particles::inspect::density},
+    glossy::{
+        inspect::KernelView, inspect_maps::maps, inspect_point::KernelPoint, particles::inspect::density,
+    },
     inspection::InspectionScene,
     irradiance_volume::{
         IrradianceVolume,
@@ -256,6 +258,16 @@ pub const VIEWS: &[ViewRow] = &[
                 input.probe.map(|p| p.position),
             )?;
             Some(KernelView::new(world, point, eye).scene)
+        },
+    },
+    ViewRow {
+        id: "glossy.maps",
+        systems: &["B17"],
+        title: "Maps of the light around reflectors",
+        tooltip: "What curved reflectors show, and flat glossy ones where a mirror shows them: the radiance around their middle as a picture from -z over +x, blurred by their lobe; and in the scene the largest one's, each direction at the distance that the map has for it, in cd/m².",
+        build: |input| {
+            let s = input.solution;
+            maps(&s.scene, &s.world.geometry, &s.environments)
         },
     },
     ViewRow {

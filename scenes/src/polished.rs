@@ -14,8 +14,10 @@ use std::path::PathBuf;
 /// Files in `glossy/` and `mirror/`.
 pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
-        ("glossy/teapot.glb".into(), teapot_table().bytes()),
+        ("glossy/teapot.glb".into(), teapot_table(glaze()).bytes()),
         ("glossy/teapot.ron".into(), TEAPOT.as_bytes().to_vec()),
+        ("glossy/chrome.glb".into(), teapot_table(chrome()).bytes()),
+        ("glossy/chrome.ron".into(), CHROME.as_bytes().to_vec()),
         ("mirror/pyramid.glb".into(), pyramid().bytes()),
         ("mirror/pyramid.ron".into(), PYRAMID.as_bytes().to_vec()),
     ]
@@ -41,6 +43,25 @@ const TEAPOT: &str = "\
 )
 ";
 
+const CHROME: &str = "\
+// The same teapot in chrome: what is curved shows a map of the light around it, and the table blurs what it
+// mirrors of both.
+(
+    models: [(file: \"chrome.glb\")],
+    area_lamps: [
+        (name: \"Lamp\", corner: (-0.5, 1.5, 0.1), edge_u: (1.0, 0.0, 0.0), edge_v: (0.0, 0.0, 0.6),
+         radiance: (900.0, 850.0, 760.0)),
+    ],
+    camera: Some((
+        eye: (0.3, 0.34, 0.75),
+        target: (0.0, 0.1, -0.02),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 0.5,
+    )),
+    plan: (volume: Some(false)),
+)
+";
+
 const PYRAMID: &str = "\
 // A pyramid of polished copper on the tiled floor of a room with one blue wall: its faces mirror less the
 // more they face the eye, and redder.
@@ -60,17 +81,26 @@ const PYRAMID: &str = "\
 )
 ";
 
-fn teapot_table() -> Model {
+fn glaze() -> Material {
+    Material::new("Glaze", [0.55, 0.62, 0.40])
+}
+
+fn chrome() -> Material {
+    Material::new("Chrome", [0.66, 0.67, 0.68]).polished(1.0, 0.0)
+}
+
+/// A teapot of some material on a lacquered table before a checkered wall.
+fn teapot_table(of: Material) -> Model {
     let mut model = Model::default();
     let checks = model.picture(pictures::checks());
     let table = model.material(Material::new("Lacquer", [0.10, 0.03, 0.02]).polished(0.0, 0.2));
     let wall = model.material(Material { picture: Some(checks), ..Material::new("Checks", [0.9; 3]) });
-    let glaze = model.material(Material::new("Glaze", [0.55, 0.62, 0.40]));
+    let of = model.material(of);
     let top = [v(-0.9, 0.0, 0.7), v(0.9, 0.0, 0.7), v(0.9, 0.0, -0.5), v(-0.9, 0.0, -0.5)];
     model.stand("Table", Parts::of(table, plain(top)));
     let back = [v(-0.9, 0.0, -0.5), v(0.9, 0.0, -0.5), v(0.9, 0.9, -0.5), v(-0.9, 0.9, -0.5)];
     model.stand("Wall", Parts::of(wall, quad(back, DVec2::ONE)));
-    let pot = model.mesh(Parts::of(glaze, teapot()));
+    let pot = model.mesh(Parts::of(of, teapot()));
     // 0.2 mm above the table.
     model.place("Teapot", pot, [0.0, 0.0002, 0.0], 25.0);
     model

@@ -2,7 +2,10 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    glossy::environment::{Environments, MOST_MAPS, MapOwner, left_out},
+    glossy::{
+        environment::{Environments, MOST_MAPS, MapOwner, left_out},
+        inspect_maps::maps,
+    },
     math::{frame::uniform_direction, random::Rng},
     reference::{path::PathTracer, radiance::radiance_with},
     scene::{Scene, accel::Ray, camera::Camera, geometry::Surface, material::Material, mesh::Mesh},
@@ -112,6 +115,21 @@ fn error_where(
         .collect();
     let [off, all] = found.iter().fold([0.0; 2], |s, f| [s[0] + f[0], s[1] + f[1]]);
     off / all
+}
+
+#[test]
+fn the_view_of_maps_holds_the_walls_where_they_are() {
+    let solution = solved(with_ball(box_room(0.5, 10.0), Vec3::new(0.2, 0.1, -0.3), 0.05, 0.0), 0.4);
+    let (scene, geometry) = (&solution.scene, &solution.world.geometry);
+    let view = maps(scene, geometry, &solution.environments).unwrap();
+    assert!(view.images.len() == 1 && view.images[0].image.mean().x > 0.0 && view.labels[0].text == "ball");
+    // Two metres wide about the origin: what the map holds lies on the walls, but for the share that is drawn nearer
+    // and what lies between texels at an edge of the room.
+    let off = |p: &Vec3| (p.abs().max_element() - 1.0).abs();
+    let mut far: Vec<f32> = view.meshes[0].positions.iter().map(off).collect();
+    far.sort_by(f32::total_cmp);
+    assert!(far[far.len() * 9 / 10] < 0.02, "{:?}", &far[far.len() * 9 / 10..]);
+    assert!(maps(scene, geometry, &Environments::default()).is_none());
 }
 
 #[test]

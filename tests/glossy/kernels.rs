@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     glossy::{
-        convolution::{Masked, Way},
+        convolution::{Convention, Masked, Way},
         invariant::{Kernel, Measure, WIDEST, convolve},
         kernel::{GlossyPoint, Lens},
         lobes::LobeTable,
@@ -142,20 +142,54 @@ fn both_ways_of_summing_agree_keep_white_and_go_beyond_nothing_they_sum() {
         mask[900..1000].fill(0.0);
         mask[2000..2100].fill(0.5);
         let masked = Masked { size: SIZE, radiance: s.image.radiance.clone(), mask };
-        let [direct, fourier] = Way::ALL.map(|way| masked.convolved(&kernel, way));
+        let [direct, fourier] = Way::ALL.map(|way| masked.convolved(&kernel, Convention::Backward, way));
         let white = Masked { radiance: vec![Vec3::splat(7.0); masked.radiance.len()], ..masked.clone() };
         for (a, b) in direct.iter().zip(&fourier) {
             // Single precision of up to 41 × 41 sums.
             assert!((*a - *b).abs().max_element() < 1e-5 * 255.0 && a.min_element() >= 0.0, "{a} {b}");
             assert!(a.max_element() <= 255.0 * (1.0 + 1e-5));
         }
-        for way in Way::ALL {
-            for l in white.convolved(&kernel, way) {
+        for (way, convention) in Way::ALL.into_iter().flat_map(|way| Convention::ALL.map(|c| (way, c))) {
+            for l in white.convolved(&kernel, convention, way) {
                 // Black only where no neighbour counts, and the hole is not as wide as that here.
-                assert!((l - Vec3::splat(7.0)).abs().max_element() < 7e-3, "{way:?}, radius {radius}: {l}");
+                assert!(
+                    (l - Vec3::splat(7.0)).abs().max_element() < 7e-3,
+                    "{way:?}, {convention:?}, radius {radius}: {l}"
+                );
             }
         }
     }
+}
+
+#[test]
+fn forward_a_point_spreads_as_its_kernel_and_backward_as_the_kernel_turned() {
+    // Seen aslant, a kernel is lopsided: it reaches further away from the eye than towards it.
+    let s = setting(0.8, 1.2, 0.1, |_| 3.0);
+    let (point, nearness, _) = s.middle();
+    let kernel = Kernel::on_level(&s.lens, &point, nearness, 0, 6);
+    let (total, edge) = (kernel.weights.iter().sum::<f32>(), 13);
+    let (x0, y0) = (SIZE[0] as usize / 2, SIZE[1] as usize / 2);
+    let mut radiance = vec![Vec3::ZERO; s.image.radiance.len()];
+    radiance[y0 * SIZE[0] as usize + x0] = Vec3::ONE;
+    let masked = Masked { size: SIZE, mask: vec![1.0; radiance.len()], radiance };
+    let mut lopsided = 0.0f32;
+    for way in Way::ALL {
+        let [backward, forward] = Convention::ALL.map(|c| masked.convolved(&kernel, c, way));
+        for i in 0..edge * edge {
+            let (dx, dy) = (i % edge, i / edge);
+            let at = |x: usize, y: usize| (y0 + y - 6) * SIZE[0] as usize + x0 + x - 6;
+            let wanted = kernel.weights[i] / total;
+            let [b, f] = [backward[at(12 - dx, 12 - dy)].x, forward[at(dx, dy)].x];
+            assert!((f - wanted).abs() < 1e-6 && (b - wanted).abs() < 1e-6, "{way:?} {i}: {f} {b} {wanted}");
+            lopsided = lopsided.max((kernel.weights[edge * edge - 1 - i] / kernel.weights[i] - 1.0).abs());
+        }
+        // What a point sends is shared out: no light is made, none is lost.
+        for picture in [backward, forward] {
+            let sum: f32 = picture.iter().map(|p| p.x).sum();
+            assert!((sum - 1.0).abs() < 1e-5, "{way:?}: {sum}");
+        }
+    }
+    assert!(lopsided > 0.1, "both conventions are the same for this kernel: nothing was told apart");
 }
 
 #[test]

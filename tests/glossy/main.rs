@@ -1,5 +1,6 @@
 //! Glossy reflection: kernels, particles, maps, each against a closed form or against rays.
 
+mod commands;
 mod environment;
 mod kernels;
 mod particles;

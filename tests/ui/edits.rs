@@ -9,6 +9,7 @@ use lumenscope::{
     session::View,
 };
 use lumenscope_core::{
+    glossy::GlossyMethod,
     irradiance_volume::{Basis, inspect::ColourBy, moments::Order},
     mirror::MirrorMethod,
     radiosity::lookup::Lookup,
@@ -201,6 +202,24 @@ fn the_plan_is_overridden_line_by_line_and_taken_back() {
     window.run(Command::Undo);
     window.wait_lit();
     assert!(window.app().session().solution.as_ref().unwrap().mirror_images.is_none());
+    // So is how glossy surfaces blur what they mirror.
+    window.click("glossy: automatic");
+    window.harness.run_steps(2);
+    window.click("fix Convolution");
+    window.harness.run_steps(2);
+    window.click("Apply");
+    assert_eq!(window.scene().plan.glossy, Some(GlossyMethod::Variant));
+    window.wait_lit();
+    let solution = window.app().session().solution.clone().unwrap();
+    assert!(Arc::ptr_eq(&light, &solution.radiosity) && solution.scene.plan.glossy.is_some());
+    window.click("glossy: fixed");
+    window.harness.run_steps(2);
+    window.click("Back to automatic");
+    window.harness.run_steps(2);
+    assert_eq!(window.scene().plan.glossy, None);
+    window.run(Command::Undo);
+    window.run(Command::Undo);
+    window.wait_lit();
 
     let problem = PlanOverrides { gather_rays: Some(0), ..window.scene().plan.clone() };
     window.run(Command::Plan(problem));

@@ -108,8 +108,8 @@ impl Row {
         self.milliseconds.iter().sum::<f64>() / self.milliseconds.len() as f64
     }
 
-    /// Shares of a frame in percent: mirrored views, convolution, shading with modulation.
-    fn shares(&self, without: &Self, sharp: Option<&Self>) -> [f64; 3] {
+    /// Shares of a frame in percent: mirrored views, convolution, modulation, shading.
+    fn shares(&self, without: &Self, sharp: Option<&Self>) -> [f64; 4] {
         let share = |milliseconds: f64| 100.0 * milliseconds / self.mean();
         match self.stages {
             Some(stages) => {
@@ -117,14 +117,15 @@ impl Row {
                 [
                     of(&[Stage::MirroredVisibility, Stage::MirroredShading]),
                     of(&[Stage::Convolution]),
-                    of(&[Stage::Shading, Stage::Modulation]),
+                    of(&[Stage::Modulation]),
+                    of(&[Stage::Shading]),
                 ]
             }
-            // By differences; shading cannot be told apart.
+            // By differences; modulation and shading cannot be told apart.
             None => {
                 let convolution = sharp.map_or(0.0, |s| (self.mean() - s.mean()).max(0.0));
                 let views = (self.mean() - convolution - without.mean()).max(0.0);
-                [share(views), share(convolution), f64::NAN]
+                [share(views), share(convolution), f64::NAN, f64::NAN]
             }
         }
     }
@@ -164,7 +165,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         if timed { "stages by timestamps" } else { "stages by differences" }
     );
     println!(
-        "{:>10}{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}",
+        "{:>10}{:>10}{:>9}{:>11}{:>9}{:>10}{:>10}{:>11}{:>12}{:>11}",
         "reflectors",
         "mirrors",
         "views",
@@ -173,6 +174,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "frames/s",
         "views %",
         "convol. %",
+        "modulation %",
         "shading %"
     );
     let measure = |count: usize, images: Option<u32>, glossy: GlossyMethod| -> anyhow::Result<Row> {
@@ -207,10 +209,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn print_row(row: &Row, shares: [f64; 3]) {
+fn print_row(row: &Row, shares: [f64; 4]) {
     let shares = shares.map(|s| if s.is_finite() { format!("{s:.1}") } else { "-".into() });
     println!(
-        "{:>10}{:>10}{:>9.2}{:>11.1}{:>9.1}{:>10.2}{:>10}{:>10}{:>10}",
+        "{:>10}{:>10}{:>9.2}{:>11.1}{:>9.1}{:>10.2}{:>10}{:>11}{:>12}{:>11}",
         row.reflectors,
         row.mirrors(),
         row.views,
@@ -219,7 +221,8 @@ fn print_row(row: &Row, shares: [f64; 3]) {
         1000.0 / row.mean(),
         shares[0],
         shares[1],
-        shares[2]
+        shares[2],
+        shares[3]
     );
 }
 
@@ -312,12 +315,12 @@ fn write(
     out: &std::path::Path,
     options: &Options,
     adapter: &str,
-    rows: &[(Row, [f64; 3])],
+    rows: &[(Row, [f64; 4])],
     plain: [&Row; 2],
 ) -> anyhow::Result<()> {
     solve::output_folder(out)?;
     let mut table = String::from(
-        "reflectors,mirrors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,shading_percent",
+        "reflectors,mirrors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,modulation_percent,shading_percent",
     );
     for stage in Stage::ALL {
         let _ = write!(table, ",{}_ms", stage.name());

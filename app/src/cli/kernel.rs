@@ -35,7 +35,8 @@ pub struct Options {
     /// Folder for `kernel.png`, `kernel.json` and `spectrum.csv`.
     #[arg(long)]
     out: PathBuf,
-    /// The point of a flat glossy surface nearest to this place, m; the middle of the largest by default.
+    /// The point of a flat glossy surface nearest to this place, m; by default what is glossy nearest to a place below
+    /// the middle of the picture.
     #[arg(long, value_parser = parse_point, conflicts_with = "pixel", allow_hyphen_values = true)]
     at: Option<Vec3>,
     /// What the camera sees at this column and row from the top left, flat or curved.
@@ -106,20 +107,35 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 fn view(options: &Options, world: &World, camera: &Camera) -> anyhow::Result<KernelView> {
     let geometry = &world.geometry;
     let file = options.scene.display();
-    let point = match options.pixel {
-        Some(pixel) => {
-            let size = UVec2::from(options.size);
+    let size = UVec2::from(options.size);
+    let buffer = || GBuffer::new(world, camera, size, Vec2::splat(0.5));
+    let at_pixel = |buffer: &GBuffer, pixel: UVec2| {
+        let surface = buffer.surface(world, camera, (pixel.y * size.x + pixel.x) as usize)?;
+        KernelPoint::on(geometry, &surface, camera.eye)
+    };
+    let point = match (options.pixel, options.at) {
+        (Some(pixel), _) => {
             if pixel.cmpge(size).any() {
                 bail!("--pixel {},{} lies outside of {}x{}", pixel.x, pixel.y, size.x, size.y);
             }
-            let buffer = GBuffer::new(world, camera, size, Vec2::splat(0.5));
-            let surface = buffer.surface(world, camera, (pixel.y * size.x + pixel.x) as usize);
-            let point = surface.and_then(|s| KernelPoint::on(geometry, &s, camera.eye));
+            let point = at_pixel(&buffer(), pixel);
             point
                 .with_context(|| format!("{file}: nothing glossy is seen at pixel {},{}", pixel.x, pixel.y))?
         }
-        None => KernelPoint::near(geometry, &Reflectors::new(geometry), camera.eye, options.at)
-            .with_context(|| format!("{file}: no flat glossy surface faces the camera"))?,
+        (None, Some(place)) => {
+            KernelPoint::near(geometry, &Reflectors::new(geometry), camera.eye, Some(place))
+                .with_context(|| format!("{file}: no flat glossy surface faces the camera"))?
+        }
+        (None, None) => {
+            let buffer = buffer();
+            // Below the middle of the picture, where tables and floors are.
+            let wanted = (size.as_vec2() * Vec2::new(0.5, 0.75)).as_ivec2();
+            let mut pixels: Vec<UVec2> =
+                (0..size.x * size.y).step_by(7).map(|i| UVec2::new(i % size.x, i / size.x)).collect();
+            pixels.sort_by_key(|p| (p.as_ivec2() - wanted).length_squared());
+            let found = pixels.into_iter().find_map(|pixel| at_pixel(&buffer, pixel));
+            found.with_context(|| format!("{file}: nothing glossy is seen"))?
+        }
     };
     Ok(KernelView::new(world, point, camera.eye))
 }
@@ -232,6 +248,9 @@ fn draw_curves(
             (top + height - 1) as f32 - share.y * (height - 2) as f32,
         ]
     };
+    if radial {
+        page.line(place(Vec2::ZERO), place(Vec2::new(0.0, high.y)), FAINT);
+    }
     let corners = [low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)].map(place);
     for i in 0..4 {
         page.line(corners[i], corners[(i + 1) % 4], FAINT);

@@ -1,7 +1,9 @@
 //! One kernel over a masked picture at its own resolution: directly, or by Fourier transforms where that is cheaper.
 //!
 //! out(p) = Σ k(q − p) m(q) L(q) / Σ k(q − p) m(q), m the mask of the reflector: image and mask are convolved alike
-//! and divided, so that constant light stays constant up to the edge. Transformed are two planes of complex numbers,
+//! and divided, so that constant light stays constant up to the edge. That is feed-backward: the kernel is the lobe of
+//! the pixel that gathers. The thesis's Program 7.12 feeds forward, k(p − q), by the lobe of what is spread
+//! ([`Convention`]); one kernel for all is then turned by half, which shows where it is lopsided. Transformed are two planes of complex numbers,
 //! red and green, blue and mask: the kernel is real, so what is in the real and in the imaginary part stays apart
 //! (Bastos 1999, §2.4: a product of spectra instead of a sum over neighbours).
 //!
@@ -23,10 +25,24 @@ pub enum Way {
     Fourier,
 }
 
-/// Nanoseconds a pixel and neighbour of the direct sum, and a pixel, transform and factor of two of the other: two
+/// Which of two pixels the kernel is centred on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Convention {
+    /// The one that is shown: it gathers what lies within its lobe, k(q − p). What the kernels here mean.
+    Backward,
+    /// The one that is mirrored: it spreads over those around it, k(p − q) (Bastos 1999, Program 7.12).
+    Forward,
+}
+
+impl Convention {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Backward, Self::Forward];
+}
+
+/// Nanoseconds of the direct sum, a pixel and a neighbour, and of the other a pixel, transform and factor of two: two
 /// threads, as `lumenscope glossy --kernels` measures them.
-const DIRECT_NANOSECONDS: f64 = 0.8;
-const FOURIER_NANOSECONDS: f64 = 3.0;
+const DIRECT_NANOSECONDS: [f64; 2] = [15.0, 0.65];
+const FOURIER_NANOSECONDS: f64 = 1.3;
 
 impl Way {
     /// Both.
@@ -44,7 +60,10 @@ impl Way {
     pub fn milliseconds(self, size: [u32; 2], radius: u32) -> f64 {
         let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
         1e-6 * match self {
-            Self::Direct => DIRECT_NANOSECONDS * pixels(size) * f64::from(2 * radius + 1).powi(2),
+            Self::Direct => {
+                let [pixel, neighbour] = DIRECT_NANOSECONDS;
+                pixels(size) * (pixel + neighbour * f64::from(2 * radius + 1).powi(2))
+            }
             Self::Fourier => {
                 let padded = pixels(padded(size, radius));
                 // Two planes there and back, and the kernel.
@@ -77,7 +96,10 @@ pub struct Masked {
 
 impl Masked {
     /// Convolves with the kernel of a level; black where no neighbour counts.
-    pub fn convolved(&self, kernel: &Kernel, way: Way) -> Vec<Vec3> {
+    pub fn convolved(&self, kernel: &Kernel, convention: Convention, way: Way) -> Vec<Vec3> {
+        let turned = (convention == Convention::Forward)
+            .then(|| Kernel { weights: kernel.weights.iter().rev().copied().collect(), ..kernel.clone() });
+        let kernel = turned.as_ref().unwrap_or(kernel);
         match way {
             Way::Direct => self.directly(kernel),
             Way::Fourier => self.by_fourier(kernel),

@@ -287,6 +287,11 @@ impl Environment {
         along(row).lerp(along(row + 1), fy)
     }
 
+    /// Radiance and distance of what lies in a unit direction from the middle, cd/m² and m.
+    pub fn towards(&self, direction: Vec3) -> Vec4 {
+        self.texel_at(direction)
+    }
+
     /// Radiance that arrives at a point of the reflector along −`direction`, the lobe's mean, cd/m².
     pub fn radiance(&self, position: Vec3, direction: Vec3) -> Vec3 {
         let from = position - self.centre;

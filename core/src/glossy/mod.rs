@@ -12,6 +12,11 @@
 //! Its library by cos θ ([`lobes`]) holds what an evaluation cannot give: how far a lobe reaches, how much
 //! of the light it keeps, and at which angle the Fresnel equation stands for all of it.
 //!
+//! At half resolution ([`pass`]) the variant kernel is summed at every second pixel of every second row where it is
+//! large, and what lies between shows the mean of the nodes that show the same. What one kernel over the picture's own
+//! pixels would give, directly or by Fourier transforms, is in [`convolution`]. All are held to the lobe by rays
+//! ([`by_rays`]) in the same light, which tells the error of convolving from that of the light.
+//!
 //! What is curved has no mirror image, but a map of the light around it, as has what is glossy in a mirror:
 //! [`environment`]. In object space, without any mirror image, [`particles`] of light make the same.
 //!
@@ -24,6 +29,7 @@ pub mod convolution;
 pub mod environment;
 pub mod gpu;
 pub mod inspect;
+pub mod inspect_maps;
 pub mod inspect_point;
 pub mod invariant;
 pub mod kernel;

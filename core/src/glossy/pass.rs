@@ -2,7 +2,7 @@
 
 use super::{
     GlossyMethod,
-    convolution::{Masked, Way},
+    convolution::{Convention, Masked, Way},
     invariant::{Kernel, MEASURED, Measure, convolve},
     kernel::{GlossyPoint, Lens},
     lobes::LobeTable,
@@ -262,7 +262,8 @@ impl<'a> GlossyFrame<'a> {
                 radiance: self.image.radiance.clone(),
                 mask: self.image.reflector.iter().map(|r| f32::from(u8::from(is_own(r)))).collect(),
             };
-            let convolved = masked.convolved(&kernel, Way::cheaper(masked.size, radius));
+            let convolved =
+                masked.convolved(&kernel, Convention::Backward, Way::cheaper(masked.size, radius));
             let own = self.image.reflector.iter().enumerate().filter(|(_, r)| is_own(r));
             own.for_each(|(pixel, _)| out[pixel] = convolved[pixel]);
         }

@@ -11,13 +11,14 @@ mod component;
 pub use component::{Component, ExpectedError, PlanLine};
 
 use crate::{
-    glossy::{GlossyMethod, environment},
+    glossy::{GlossyMethod, environment, pass::MOST_LOBES},
     irradiance_volume::VolumeSettings,
     mirror::{MOST_VIEWS, MirrorSettings, reflectors::Reflectors},
     radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
     scene::{Scene, emitters::Emitter, file::PlanOverrides, world::World},
     transport::live::SolveSettings,
 };
+use std::collections::BTreeSet;
 
 /// Tolerance the settings' defaults were measured at: median relative error of surface irradiance.
 pub const DEFAULT_TOLERANCE: f32 = 0.04;
@@ -222,11 +223,13 @@ impl Needs<'_> {
 
     fn glossy(&self) -> PlanLine {
         let reflectors = Reflectors::new(&self.world.geometry);
-        let is_glossy = |material: u32| {
+        let alpha_of = |material: u32| {
             let alpha = self.world.geometry.materials[material as usize].alpha();
-            alpha.is_some_and(|a| a > 0.0)
+            alpha.filter(|alpha| *alpha > 0.0)
         };
-        let flat = reflectors.list.iter().filter(|r| is_glossy(r.material)).count();
+        let alphas: Vec<f32> = reflectors.list.iter().filter_map(|r| alpha_of(r.material)).collect();
+        let flat = alphas.len();
+        let widths: BTreeSet<u32> = alphas.iter().map(|alpha| alpha.to_bits()).collect();
         let method = self.over.glossy.unwrap_or_default();
         let used = flat > 0 && method != GlossyMethod::Sharp && MirrorSettings::of(self.over).depth > 0;
         let words = if used { method.words().into() } else { String::new() };
@@ -234,6 +237,9 @@ impl Needs<'_> {
             0 => "nothing flat is glossy: no convolution".into(),
             n => format!("{} of rough polished material", counted(n, "flat reflector")),
         };
+        if widths.len() > MOST_LOBES {
+            reason += &format!("; of {} widths of lobes {MOST_LOBES} are blurred", widths.len());
+        }
         let left_out = environment::left_out(&self.world.geometry);
         if left_out > 0 {
             reason += &format!(
