@@ -56,6 +56,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "chosen",
         "apart",
         "white",
+        "forward",
         "level",
         "level ms"
     );
