@@ -216,6 +216,7 @@ fn a_picture_equals_itself_and_resembles_the_reference() {
     run(&["compare", text(&picture), text(&picture)]).unwrap();
     let difference = out.join("difference");
     run(&["compare", text(&picture), text(&reference), "--out", text(&difference)]).unwrap();
+    assert_eq!(image::open(difference.join("flip.png")).unwrap().width(), 48);
     let found = exr::read_layers(&difference.join("difference.exr")).unwrap();
     let wanted = exr::read_layers(&reference).unwrap();
     let (off, mean) = (luminance(found[0].1.mean()), luminance(wanted[0].1.mean()));
@@ -234,7 +235,11 @@ fn a_lightmap_is_held_against_our_light() {
     let lamp = "Point(name: \"lamp\", at: (0.5, 1.0, 0.5), intensity: (100.0, 100.0, 100.0))";
     fs::write(out.join("floor.ron"), format!("(models: [(file: \"floor.obj\")], lamps: [{lamp}])")).unwrap();
     let point = out.join("floor.ron").display().to_string();
-    run(&["lightmap", &point, "--map", text(&map), "--out", text(&out)]).unwrap();
+    run(&["lightmap", &point, "--map", text(&map), "--reference", "64", "--out", text(&out)]).unwrap();
+    // The path tracer's light on the texels: a point lamp's I cos θ / d², without noise.
+    let traced = &exr::read_layers(&out.join("reference.exr")).unwrap()[0].1;
+    let corner = 100.0 / (1.0 + 2.0 * (0.5f32 - 0.5 / 64.0).powi(2)).powf(1.5);
+    assert!((traced.at(0, 0).x / corner - 1.0).abs() < 1e-3, "{} lx, not {corner}", traced.at(0, 0).x);
     let bare = scene("analytic/point_over_floor.ron");
     let error = run(&["lightmap", &bare, "--map", text(&map)]).unwrap_err();
     assert!(error.contains("cover no texel"), "{error}");
@@ -598,4 +603,46 @@ fn leaks_are_printed_and_what_is_too_large_is_refused_in_one_line() {
             .unwrap_err();
     assert!(error.contains("GB") && !error.contains('\n'), "{error}");
     assert_eq!(error.matches("irradiance volume").count(), 1, "said once: {error}");
+}
+
+#[test]
+fn views_are_written_with_their_legend_and_in_numbers() {
+    let (_keep, out) = folder();
+    let room = scene("cornell/cornell.ron");
+    let views = "radiosity.irradiance,irradiance_volume.slice,radiosity.links,radiosity.seams";
+    let how = ["--size", "160x200", "--percentiles", "0,100", "--slice", "y=0.3", "--at", "0,0,0"];
+    run(&[&["view", &room, "--view", views, "--out", text(&out)][..], &how].concat()).unwrap();
+    for view in views.split(',') {
+        let picture = image::open(out.join(format!("{view}.png"))).unwrap();
+        assert!(picture.width() > 200 && picture.height() == 200, "{view}: the legend stands beside");
+        let report = fs::read_to_string(out.join(format!("{view}.json"))).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        assert!(report["unit"].is_string() && report["quantity"].is_string(), "{report}");
+        let [low, high] = ["colours_from", "colours_to"].map(|key| report[key].as_f64().unwrap());
+        assert!(low < high, "{report}");
+    }
+    // The floor's middle takes its light from many others: the notes say how much.
+    let links = fs::read_to_string(out.join("radiosity.links.json")).unwrap();
+    assert!(links.contains(" lx from other elements"), "{links}");
+    let range = ["--range", "0,400", "--palette", "natural"];
+    let one = ["--view", "radiosity.irradiance", "--size", "32x32", "--out", text(&out)];
+    run(&[&["view", &room][..], &one, &range].concat()).unwrap();
+    let report = fs::read_to_string(out.join("radiosity.irradiance.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!((&report["colours_from"], &report["colours_to"]), (&0.0.into(), &400.0.into()));
+}
+
+#[test]
+fn views_that_cannot_be_shown_say_so_in_a_line() {
+    let (_keep, out) = folder();
+    let room = scene("cornell/cornell.ron");
+    let wrong = |arguments: &[&str]| {
+        let error = run(&[&["view", &room, "--out", text(&out)][..], arguments].concat()).unwrap_err();
+        assert_eq!(error.lines().count(), 1, "{error}");
+        error
+    };
+    assert!(wrong(&["--view", "radiosity.nothing"]).contains("view --list"));
+    assert!(wrong(&["--range", "5,5"]).contains("--range"));
+    assert!(wrong(&["--sphere", "0"]).contains("--sphere"));
+    assert!(wrong(&["--view", "mirror.images", "--size", "16x16"]).contains("mirror.images"));
 }

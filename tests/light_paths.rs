@@ -2,13 +2,16 @@
 
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
-    math::random::Rng,
+    math::{image::LinearImage, progress::Progress, random::Rng},
+    measure::significance::z_test,
     reference::{
+        Estimate,
         expression::{Bounces, Expression, ExpressionError},
         path::PathTracer,
+        picture::ReferencePicture,
     },
     scene::{accel::Ray, camera::Camera, world::World},
-    superposition::{PassSettings, composite::DirectQuality, render},
+    superposition::{PassSettings, composite::DirectQuality, layers::Layer, render},
 };
 use lumenscope_tests::{box_room, cornell, solved};
 
@@ -174,4 +177,62 @@ fn radiosity_shows_single_bounces_as_the_path_tracer_does() {
     let mut scene = cornell();
     scene.materials[1].roughness = 0.1;
     assert!(solved(scene, 0.5).with_paths(&paths("LD{2}E")).is_none());
+}
+
+/// Sides of the picture and of its blocks, pixels.
+const SIDE: u32 = 32;
+const BLOCK: u32 = 8;
+
+/// Each block of a picture, mean over its pixels.
+fn blocks(picture: &LinearImage) -> Vec<Vec3> {
+    let across = SIDE / BLOCK;
+    let mean = |b: u32| {
+        let (x, y) = (b % across * BLOCK, b / across * BLOCK);
+        let pixels = (0..BLOCK * BLOCK).map(|i| picture.at(x + i % BLOCK, y + i / BLOCK));
+        pixels.sum::<Vec3>() / (BLOCK * BLOCK) as f32
+    };
+    (0..across * across).map(mean).collect()
+}
+
+/// Means and standard errors over independent pictures of the same thing.
+fn estimates(pictures: &[Vec<Vec3>]) -> Vec<Estimate> {
+    (0..pictures[0].len())
+        .map(|b| Estimate::from_values(&pictures.iter().map(|p| p[b].as_dvec3()).collect::<Vec<_>>()))
+        .collect()
+}
+
+#[test]
+fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
+    const FRAMES: u64 = 24;
+    let solution = solved(cornell(), 0.05);
+    let camera = solution.scene.camera;
+    let frame = |seed: u64| {
+        let direct = DirectQuality::PerPixel(2);
+        let settings =
+            PassSettings { direct, frame: seed as u32, jitter: true, seed, ..PassSettings::default() };
+        render(&solution, &camera, SIDE, SIDE, &settings).1
+    };
+    let frames: Vec<_> = (1..=FRAMES).map(frame).collect();
+    // What the solver interpolates between elements is off by up to this share, its own bound in a room.
+    for (text, layer, bias) in
+        [("LE", Layer::Emitted, 0.0), ("LDE", Layer::Direct, 0.0), ("L(D|S)+DE", Layer::Indirect, 0.03)]
+    {
+        let found = estimates(&frames.iter().map(|f| blocks(f.get(layer))).collect::<Vec<_>>());
+        let traced = (1..=FRAMES).map(|seed| {
+            let picture = ReferencePicture::new(solution.world.clone(), camera, SIDE, SIDE, 1000 + seed);
+            let mut picture = picture.of_paths(paths(text));
+            picture.add_samples(8, &Progress::silent()).unwrap();
+            blocks(&picture.mean())
+        });
+        let mut wanted = estimates(&traced.collect::<Vec<_>>());
+        for (w, f) in wanted.iter_mut().zip(&found) {
+            // Towards what was found, by as much as it may be off.
+            let off = f.mean - w.mean;
+            w.mean += off.clamp(-bias * w.mean, bias * w.mean);
+        }
+        let test = z_test(&found, &wanted, 1e-4).unwrap();
+        println!("{text}: worst |z| {:.2} of {:.2}, rms {:.2}", test.worst, test.critical, test.rms);
+        assert!(test.passes(), "{text}: {test:?}");
+        assert!(found.iter().map(|e| e.mean.x).sum::<f32>() > 0.0, "{text} is black");
+    }
 }

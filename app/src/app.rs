@@ -191,7 +191,7 @@ impl LumenscopeApp {
             self.run(ctx, Command::CompareWith(VolumeSource::File(path.to_path_buf())));
         } else if LightmapFile::is_one(path) && self.session.scene.is_some() {
             self.dock.show_pane(Pane::Lightmap);
-            self.run(ctx, Command::Lightmap(LightmapFile { path: path.to_path_buf(), white: 1.0 }));
+            self.run(ctx, Command::Lightmap(LightmapFile::new(path.to_path_buf())));
         } else {
             self.run(ctx, Command::Open(path.to_path_buf()));
         }

@@ -7,6 +7,7 @@ use crate::{
 };
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
+    inspection::colours::ColourSettings,
     irradiance_volume::{
         dynamic_object::{Detail, Gloss},
         ignored::Ignored,
@@ -93,6 +94,9 @@ pub struct View {
     pub probe_order: Option<Order>,
     /// Ids of the inspection views switched on (see `registry`).
     pub views: Vec<String>,
+    /// How the values they show become colours.
+    #[serde(default)]
+    pub colours: ColourSettings,
     /// Two copies of something, lit by two volumes.
     #[serde(default)]
     pub copies: Option<Copies>,
@@ -158,6 +162,15 @@ pub enum Compare {
     Reference,
     /// Luminance difference, false colour.
     Difference,
+    /// What an observer notices who flips between the two (FLIP), false colour.
+    Flip,
+}
+
+impl Compare {
+    /// Whether the picture is held against the reference, pixel by pixel.
+    pub fn is_comparison(self) -> bool {
+        matches!(self, Self::Difference | Self::Flip)
+    }
 }
 
 /// What the volume is compared with.
@@ -246,6 +259,7 @@ impl Default for View {
             probe_moments: false,
             probe_order: None,
             views: Vec::new(),
+            colours: ColourSettings::default(),
             copies: None,
             gloss: None,
             detail: None,
@@ -326,6 +340,7 @@ impl View {
             && (1..=64).contains(&self.probe_bins_n)
             && false_colour
             && probe
+            && self.colours.is_usable()
             && self.copies.is_none_or(|c| c.is_finite())
     }
 }

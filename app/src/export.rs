@@ -1,12 +1,13 @@
 //! What can be written to a file, and how: pictures, layers, spheres and panoramas.
 
-use crate::{wall::WallSettings, widgets::Probe};
+use crate::{lightmaps::coordinates, wall::WallSettings, widgets::Probe};
 use anyhow::{Context as _, Result};
 use glam::Vec3;
 use lumenscope_core::{
     io::{exr, panorama as files, png, probe::write_probe},
     irradiance_volume::moments::{Order, beside_irradiance},
     math::progress::Progress,
+    radiosity::texels::{self, Coverage},
     scene::camera::Camera,
     superposition::{
         PassSettings,
@@ -28,6 +29,8 @@ pub enum Export {
     Wall,
     /// Its layers, as multi-layer EXR.
     Layers,
+    /// Our irradiance as a lightmap over the scene's texture coordinates, as EXR.
+    Lightmap,
     /// The open spheres, as EXR.
     Spheres,
     /// The radiance that arrives where they are from all around, as a latitude–longitude EXR.
@@ -41,6 +44,7 @@ impl Export {
             Self::Picture => "Export the picture",
             Self::Wall => "Export the picture with a wall",
             Self::Layers => "Export the layers",
+            Self::Lightmap => "Bake a lightmap",
             Self::Spheres => "Export the spheres",
             Self::Panorama => "Export a panorama",
         }
@@ -52,6 +56,7 @@ impl Export {
         match self {
             Self::Picture | Self::Layers => format!("{scene}.{extension}"),
             Self::Wall => format!("{scene}-wall.{extension}"),
+            Self::Lightmap => format!("{scene}-lightmap.{extension}"),
             Self::Spheres => format!("{scene}-spheres.{extension}"),
             Self::Panorama => format!("{scene}-panorama.{extension}"),
         }
@@ -61,7 +66,7 @@ impl Export {
     pub fn format(self) -> (&'static str, &'static str) {
         match self {
             Self::Picture | Self::Wall => ("PNG", "png"),
-            Self::Layers | Self::Spheres | Self::Panorama => ("OpenEXR", "exr"),
+            Self::Layers | Self::Lightmap | Self::Spheres | Self::Panorama => ("OpenEXR", "exr"),
         }
     }
 }
@@ -102,6 +107,9 @@ const FRAMES: u32 = 8;
 /// Height of a panorama in pixels, and rays along each edge of one.
 const PANORAMA: (u32, u32) = (512, 2);
 
+/// Texels along each edge of a lightmap, and around each chart that repeat its border.
+const LIGHTMAP: (u32, u32) = (1024, 4);
+
 /// Writes what was asked for.
 ///
 /// # Errors
@@ -117,6 +125,14 @@ pub fn write(request: &ExportRequest, progress: &Progress) -> Result<()> {
             let at = request.at.context(NO_SPHERES)?;
             let image = panorama(solution, at, PANORAMA.0, PANORAMA.1, progress)?;
             Ok(files::write(&request.path, &image, at)?)
+        }
+        Export::Lightmap => {
+            let (side, padding) = LIGHTMAP;
+            let world = &solution.world;
+            let coverage = Coverage::new(world, &coordinates(world), [side; 2])
+                .context("nothing to bake onto (`lumenscope bake --atlas` packs coordinates of its own)")?;
+            let map = texels::bake(world, &solution.radiosity, &coverage, padding, progress)?;
+            Ok(exr::write_layers(&request.path, &[("", &map)], "irradiance, lx")?)
         }
         Export::Picture => write_png(request, &layers(request, progress)?),
         Export::Wall => {
@@ -140,7 +156,14 @@ fn layers(request: &ExportRequest, progress: &Progress) -> Result<Layers> {
         rays => DirectQuality::PerPixel(rays.div_ceil(FRAMES)),
     };
     let settings = PassSettings { direct, ..PassSettings::default() };
-    Ok(mean_of_frames(&request.solution, &request.camera, request.size, FRAMES, &settings, progress)?)
+    Ok(mean_of_frames(
+        &request.solution.reconstructed(),
+        &request.camera,
+        request.size,
+        FRAMES,
+        &settings,
+        progress,
+    )?)
 }
 
 fn write_png(request: &ExportRequest, layers: &Layers) -> Result<()> {

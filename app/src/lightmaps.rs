@@ -10,15 +10,18 @@ use lumenscope_core::{
         image::LinearImage,
         progress::Progress,
     },
-    measure::irradiance::{ErrorStatistics, relative_errors},
-    radiosity::lightmap::{JudgedTexel, LightmapError, LightmapReport, judge},
+    measure::{
+        irradiance::{ErrorStatistics, relative_errors},
+        lightmap::{noise, traced},
+    },
+    radiosity::{
+        faults::Fault,
+        lightmap::{JudgedTexel, LightmapError, LightmapReport, judge},
+    },
     scene::world::World,
     transport::LightTransportSolution,
 };
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// The job that holds a lightmap against the light, as the journal names it.
 pub const JUDGING: &str = "Judging a lightmap";
@@ -30,9 +33,16 @@ pub struct LightmapFile {
     pub path: PathBuf,
     /// Irradiance of white in a `.png`, or of 1 in the others, lx.
     pub white: f32,
+    /// Paths a texel by which it is held against the path tracer too; 0 leaves that.
+    pub paths: u32,
 }
 
 impl LightmapFile {
+    /// A file as it is first looked at.
+    pub fn new(path: PathBuf) -> Self {
+        Self { path, white: 1.0, paths: 0 }
+    }
+
     /// Whether a file can be one, by its name.
     pub fn is_one(path: &Path) -> bool {
         let extension = path.extension().unwrap_or_default();
@@ -63,73 +73,34 @@ pub fn coordinates(world: &World) -> Vec<Option<[Vec2; 3]>> {
 }
 
 /// Views of the registry that show it in the scene.
-pub const LIGHTMAPS: [&str; 2] = ["radiosity.lightmap", "radiosity.lightmap_difference"];
+pub const LIGHTMAPS: [&str; 4] = [
+    "radiosity.lightmap",
+    "radiosity.lightmap_difference",
+    "radiosity.lightmap_error",
+    "radiosity.lightmap_faults",
+];
+
+/// Paths a texel by which the window holds a lightmap against the path tracer.
+pub const PATHS: u32 = 64;
 
 /// Extensions of lightmaps.
 pub const EXTENSIONS: [&str; 3] = ["exr", "hdr", "png"];
 
-/// What can be wrong with a lightmap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// Dark in ours, lit in the lightmap.
-    Leak,
-    /// Black in the lightmap, light in ours.
-    Dark,
-    /// Covered by more than one triangle.
-    Overlap,
-    /// Infinite or not a number in the lightmap.
-    NotFinite,
-    /// The light jumps between coplanar triangles.
-    Seam,
-    /// Mapped with a ratio of more than 4 between the directions.
-    Stretched,
+/// How far a lightmap, and our light on its texels, are from the path tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced {
+    /// Paths a texel, at least.
+    pub paths: u32,
+    /// Median of its standard error over max(E, 5 % of the mean).
+    pub noise: f64,
+    /// Of the lightmap.
+    pub of_map: ErrorStatistics,
+    /// Of our light.
+    pub of_ours: ErrorStatistics,
 }
 
-impl Fault {
-    /// Every kind; of those that meet in a texel the first is shown.
-    pub const ALL: [Self; 6] =
-        [Self::Overlap, Self::NotFinite, Self::Leak, Self::Dark, Self::Seam, Self::Stretched];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Leak => "leaks",
-            Self::Dark => "dark",
-            Self::Overlap => "overlaps",
-            Self::NotFinite => "not finite",
-            Self::Seam => "seams",
-            Self::Stretched => "stretched",
-        }
-    }
-
-    /// What it means.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Leak => {
-                "Texels lit in the lightmap by more than a fifth of the mean where our light is dark"
-            }
-            Self::Dark => "Texels black in the lightmap where there is light",
-            Self::Overlap => "Texels that more than one triangle covers",
-            Self::NotFinite => "Texels that hold an infinite value or none",
-            Self::Seam => {
-                "Edges between coplanar triangles across which the lightmap jumps by more than 10 %"
-            }
-            Self::Stretched => "Triangles mapped with a ratio of more than 4 between the directions",
-        }
-    }
-
-    /// The colour it is marked in.
-    pub fn colour(self) -> [u8; 3] {
-        match self {
-            Self::Leak => [255, 140, 0],
-            Self::Dark => [40, 90, 255],
-            Self::Overlap => [255, 0, 220],
-            Self::NotFinite => [230, 30, 30],
-            Self::Seam => [60, 220, 90],
-            Self::Stretched => [240, 225, 60],
-        }
-    }
-}
+/// Seed of the paths.
+const SEED: u64 = 1;
 
 /// A lightmap, our light on the same texels, and what is wrong.
 #[derive(Clone, Debug)]
@@ -142,6 +113,8 @@ pub struct JudgedLightmap {
     pub report: LightmapReport,
     /// (E − ours) / max(ours, 5 % of the mean) over the covered texels.
     pub errors: ErrorStatistics,
+    /// The same against the path tracer, where that was asked for.
+    pub traced: Option<Traced>,
     /// The fault of each texel, if any.
     faults: Vec<Option<Fault>>,
 }
@@ -154,28 +127,27 @@ impl JudgedLightmap {
     pub fn new(file: &LightmapFile, solution: &LightTransportSolution, progress: &Progress) -> Result<Self> {
         let mut map = file.read()?;
         let world = &solution.world;
-        let report = match judge(world, &solution.radiosity, &map, &coordinates(world), progress) {
+        let mut report = match judge(world, &solution.radiosity, &map, &coordinates(world), progress) {
             Err(LightmapError::Cancelled(cancelled)) => return Err(cancelled.into()),
             judged => judged.with_context(|| file.path.display().to_string())?,
         };
         map.clear_invalid();
-        let column = |value: fn(&JudgedTexel) -> Vec3| report.texels.iter().map(value).collect::<Vec<_>>();
-        let errors = relative_errors(&column(|t| t.found), &column(|t| t.ours))?;
-        let faults = faults(&report, &map, solution);
-        Ok(Self { file: file.clone(), map, report, errors, faults })
-    }
-
-    /// How many there are of a fault: texels, triangles or edges.
-    pub fn count(&self, fault: Fault) -> (usize, &'static str) {
-        let report = &self.report;
-        match fault {
-            Fault::Leak => (report.leaks.len(), "texels"),
-            Fault::NotFinite => (report.not_finite.len(), "texels"),
-            Fault::Dark => (report.dark.len(), "texels"),
-            Fault::Overlap => (report.overlapping.len(), "texels"),
-            Fault::Seam => (report.seams.len(), "edges"),
-            Fault::Stretched => (report.stretched.len(), "triangles"),
-        }
+        let [found, ours]: [Vec<Vec3>; 2] = [|t: &JudgedTexel| t.found, |t: &JudgedTexel| t.ours]
+            .map(|value| report.texels.iter().map(value).collect());
+        let errors = relative_errors(&found, &ours)?;
+        let traced = match file.paths {
+            0 => None,
+            paths => {
+                let estimates = traced(&report, world, paths, SEED, progress)?;
+                let light: Vec<Vec3> = estimates.iter().map(|e| e.mean).collect();
+                let of_map = relative_errors(&found, &light)?;
+                let of_ours = relative_errors(&ours, &light)?;
+                report.traced = light;
+                Some(Traced { paths, noise: noise(&estimates), of_map, of_ours })
+            }
+        };
+        let faults = report.faults(&world.geometry);
+        Ok(Self { file: file.clone(), map, report, errors, traced, faults })
     }
 
     /// Our light on its texels, lx; black on those that nothing covers.
@@ -185,6 +157,16 @@ impl JudgedLightmap {
             ours.pixels[self.place(texel.at)] = texel.ours;
         }
         ours
+    }
+
+    /// What the path tracer finds on its texels, lx; black where nothing covers one. `None` where it was not asked.
+    pub fn reference(&self) -> Option<LinearImage> {
+        self.traced.as_ref()?;
+        let mut reference = LinearImage::new(self.map.width, self.map.height);
+        for (texel, light) in self.report.texels.iter().zip(&self.report.traced) {
+            reference.pixels[self.place(texel.at)] = *light;
+        }
+        Some(reference)
     }
 
     /// Colours of the difference, red where the lightmap has more.
@@ -212,62 +194,4 @@ impl JudgedLightmap {
     fn place(&self, at: [u32; 2]) -> usize {
         (at[1] * self.map.width + at[0]) as usize
     }
-}
-
-/// The fault of each texel: of those that meet in one, the first of [`Fault::ALL`].
-fn faults(
-    report: &LightmapReport,
-    map: &LinearImage,
-    solution: &LightTransportSolution,
-) -> Vec<Option<Fault>> {
-    let mut faults = vec![None; map.pixels.len()];
-    let mut mark = |at: [u32; 2], fault: Fault| {
-        faults[(at[1] * map.width + at[0]) as usize].get_or_insert(fault);
-    };
-    for fault in Fault::ALL {
-        match fault {
-            Fault::Overlap => report.overlapping.iter().for_each(|&at| mark(at, fault)),
-            Fault::NotFinite => report.not_finite.iter().for_each(|&i| mark(report.texels[i].at, fault)),
-            Fault::Leak => report.leaks.iter().for_each(|&i| mark(report.texels[i].at, fault)),
-            Fault::Dark => report.dark.iter().for_each(|&i| mark(report.texels[i].at, fault)),
-            Fault::Stretched => {
-                let stretched = |t: &&JudgedTexel| report.stretched.binary_search(&t.triangle).is_ok();
-                report.texels.iter().filter(stretched).for_each(|t| mark(t.at, fault));
-            }
-            Fault::Seam => seam_texels(report, solution).for_each(|at| mark(at, fault)),
-        }
-    }
-    faults
-}
-
-/// Texels within about one of an edge that is a seam.
-fn seam_texels<'a>(
-    report: &'a LightmapReport,
-    solution: &'a LightTransportSolution,
-) -> impl Iterator<Item = [u32; 2]> + 'a {
-    let geometry = &solution.world.geometry;
-    let mut counts = HashMap::<u32, u32>::new();
-    for texel in &report.texels {
-        *counts.entry(texel.triangle).or_default() += 1;
-    }
-    // An edge of a square texel, m.
-    let size = move |triangle: u32| {
-        let area = 0.5 * geometry.area_normal(triangle).length();
-        (area / counts.get(&triangle).copied().unwrap_or(1) as f32).sqrt()
-    };
-    let mut seams = HashMap::<u32, Vec<[Vec3; 2]>>::new();
-    for seam in &report.seams {
-        seam.triangles.into_iter().for_each(|t| seams.entry(t).or_default().push(seam.ends));
-    }
-    let near = move |texel: &&JudgedTexel| {
-        let reach = 0.75 * size(texel.triangle);
-        seams.get(&texel.triangle).is_some_and(|seams| {
-            seams.iter().any(|&[a, b]| {
-                let along = (b - a).length_squared().max(f32::MIN_POSITIVE);
-                let share = ((texel.position - a).dot(b - a) / along).clamp(0.0, 1.0);
-                texel.position.distance_squared(a.lerp(b, share)) < reach * reach
-            })
-        })
-    };
-    report.texels.iter().filter(near).map(|t| t.at)
 }

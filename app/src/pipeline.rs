@@ -12,7 +12,7 @@ use crate::{
 };
 use anyhow::{Context as _, Result, bail};
 use lumenscope_core::{
-    inspection::{InspectionScene, SphereGlyph},
+    inspection::{InspectionScene, Line, SphereGlyph, colours::ColourSettings},
     irradiance_volume::{
         IrradianceVolume, VolumeSettings,
         ignored::Ignored,
@@ -23,7 +23,7 @@ use lumenscope_core::{
     },
     math::progress::Progress,
     reference::picture::ReferencePicture,
-    registry::{self, ViewInput},
+    registry::{self, ViewInput, ViewRow},
     scene::{
         Scene,
         check::{self, Severity},
@@ -199,7 +199,14 @@ pub fn inspect(request: &InspectRequest) -> Option<InspectionScene> {
     let spheres = shown.shown.then_some(SPHERES);
     let others = request.views.iter().map(String::as_str).filter(|v| ![SPHERES, KERNEL].contains(v));
     let ids = spheres.into_iter().chain(others);
-    ids.filter_map(|id| (registry::view(id)?.build)(&input)).reduce(merge)
+    let made = ids.filter_map(registry::view).map(|row| (row.build)(&input).unwrap_or_else(|| nothing(row)));
+    made.reduce(merge)
+}
+
+/// What is said where a view has nothing to show.
+fn nothing(row: &ViewRow) -> InspectionScene {
+    let note = format!("{}: nothing to show. {}", row.title, row.tooltip);
+    InspectionScene { notes: vec![note], ..InspectionScene::default() }
 }
 
 /// The volume that the one shown is compared with; `None` where no view compares or nothing is chosen.
@@ -296,6 +303,9 @@ pub const KERNEL: &str = "glossy.kernel";
 
 /// Two views at once: spheres need one layout of bins and colours one legend, so the first has the say.
 fn merge(mut first: InspectionScene, second: InspectionScene) -> InspectionScene {
+    let colours = second.colours(&ColourSettings::default());
+    let valued = second.value_lines.iter();
+    first.lines.extend(valued.map(|l| Line { ends: l.ends, colour: colours.colour(l.value) }));
     if first.bins.is_none() || first.bins == second.bins {
         let shift = first.sphere_bins.len() as u32;
         first.bins = first.bins.or(second.bins);

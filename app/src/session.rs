@@ -4,25 +4,27 @@
 //! returns [`Effect`]s for the rest, so that a test can throw commands at it. Not a store of callbacks:
 //! data goes down to the panels, commands come up.
 
+mod effect;
+mod kept;
+mod look;
+
 pub use crate::document::{Against, Compare, Document, Edits, View, VolumeView};
+pub use effect::Effect;
+pub use kept::Kept;
 
 use crate::{
-    command::{Command, Dialog, Window},
-    copies::CopyVolume,
+    command::Command,
     document::{dim_problem, exists, place_problem},
-    examples::Example,
-    export::Export,
     grid_view::GridView,
     history::{History, Key},
     journal::Journal,
     light_paths::{LightPaths, is_dull},
     lightmaps::{JudgedLightmap, LightmapFile},
-    pipeline::VolumeSource,
     widgets::{Probe, moments::Spheres},
 };
 use lumenscope_core::{
     inspection::InspectionScene,
-    irradiance_volume::{IrradianceVolume, placement::Measurement},
+    irradiance_volume::placement::Measurement,
     math::image::LinearImage,
     scene::{Scene, Target},
     superposition::plan::Plan,
@@ -82,15 +84,6 @@ pub struct Session {
     saved: Edits,
 }
 
-/// A volume kept to be compared with.
-#[derive(Clone)]
-pub struct Kept {
-    /// What it is, as the panel lists it.
-    pub name: String,
-    /// The volume.
-    pub volume: Arc<IrradianceVolume>,
-}
-
 /// The reference picture so far.
 #[derive(Clone)]
 pub struct Reference {
@@ -98,52 +91,6 @@ pub struct Reference {
     pub image: Arc<LinearImage>,
     /// Samples a pixel.
     pub samples: u32,
-}
-
-/// What a command asks for that the session itself cannot do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Effect {
-    /// Load a scene or session file.
-    Load(PathBuf),
-    /// Load the scene of a document.
-    Replace(Box<Document>),
-    /// Load the open scene with one more model in it.
-    AddModel(PathBuf),
-    /// Load an example.
-    LoadExample(Example),
-    /// The scene changed: let the light follow. `dragging` while more of the same is to come.
-    Follow {
-        /// Whether more of the same is to come.
-        dragging: bool,
-    },
-    /// The probe moved: sample it anew.
-    Probe,
-    /// Make the texture of the surface that was clicked.
-    Texture,
-    /// Hold the lightmap against our light.
-    Lightmap,
-    /// Measure where the document says, from now on.
-    Measure,
-    /// Make what the views show.
-    Inspect,
-    /// Path-trace the view, from the start if the view or scene changed.
-    Reference,
-    /// Forget the reference.
-    DropReference,
-    /// Put the two copies in, or take them away.
-    Copies,
-    /// Make a volume from another source, to keep it.
-    OtherVolume(VolumeSource),
-    /// Write the session.
-    Save(PathBuf),
-    /// Write something to a file.
-    Export(Export, PathBuf),
-    /// Stop the work in progress.
-    Cancel,
-    /// Ask for a file.
-    Dialog(Dialog),
-    /// Change the window.
-    Window(Window),
 }
 
 impl Session {
@@ -334,28 +281,7 @@ impl Session {
                 }
                 vec![Effect::Inspect]
             }
-            Command::ForgetVolume(number) => {
-                if number >= self.kept.len() {
-                    return Vec::new();
-                }
-                self.kept.remove(number);
-                let view = &mut self.document.view;
-                view.volume.against = match view.volume.against {
-                    Against::Kept(n) => renumbered(n, number).map_or(Against::Ignoring, Against::Kept),
-                    other => other,
-                };
-                if let CopyVolume::Kept(n) = view.volume.of {
-                    view.volume.of = renumbered(n, number).map_or(CopyVolume::Present, CopyVolume::Kept);
-                }
-                let mut effects = vec![Effect::Inspect];
-                for light in view.copies.iter_mut().flat_map(|c| &mut c.lights) {
-                    if let CopyVolume::Kept(n) = light.volume {
-                        light.volume = renumbered(n, number).map_or(CopyVolume::Present, CopyVolume::Kept);
-                        effects = vec![Effect::Inspect, Effect::Copies];
-                    }
-                }
-                effects
-            }
+            Command::ForgetVolume(number) => self.forget(number),
             Command::CompareWith(source) => self.if_open(Effect::OtherVolume(source)),
             Command::Cancel => {
                 let traced = std::mem::take(&mut self.document.view.traced_texture);
@@ -367,15 +293,6 @@ impl Session {
             Command::Dialog(dialog) => vec![Effect::Dialog(dialog)],
             Command::Window(window) => vec![Effect::Window(window)],
         }
-    }
-
-    /// Keeps a volume and compares with it; `source` is where its light comes from.
-    pub fn keep(&mut self, volume: Arc<IrradianceVolume>, source: &str) {
-        self.kept_so_far += 1;
-        let (samples, bins) = (volume.samples().len(), volume.bins().len());
-        let name = format!("{}: {source}, {samples} × {bins}", self.kept_so_far);
-        self.kept.push(Kept { name, volume: Arc::new(volume.detached()) });
-        self.document.view.volume.against = Against::Kept(self.kept.len() - 1);
     }
 
     fn if_open(&mut self, effect: Effect) -> Vec<Effect> {
@@ -438,91 +355,12 @@ impl Session {
         effects
     }
 
-    fn look(&mut self, mut view: View) -> Vec<Effect> {
-        if !view.is_finite() {
-            self.log.warn("a view with numbers that cannot be drawn was left out");
-            return Vec::new();
-        }
-        let scene = self.scene.as_deref();
-        view.selected = view.selected.filter(|&t| scene.is_some_and(|s| exists(s, t)));
-        view.copies = view.copies.filter(|c| scene.is_some_and(|s| c.fits(s)));
-        let new_paths = self.look_at_paths(&mut view);
-        let old = std::mem::replace(&mut self.document.view, view);
-        let view = &self.document.view;
-        let mut effects = Vec::new();
-        let finer = (view.probe_resolutions && !old.probe_resolutions)
-            || (view.moments() != old.moments() && view.moments().is_some());
-        if view.probe != old.probe || view.probe_bins_n != old.probe_bins_n || finer {
-            if view.probe.is_none() {
-                self.probe = None;
-            }
-            effects.push(Effect::Probe);
-        }
-        let picked = view.surface != old.surface;
-        if view.volume != old.volume || view.views != old.views || (picked && !view.views.is_empty()) {
-            effects.push(Effect::Inspect);
-        }
-        if picked {
-            // What was shown is another surface's.
-            self.texture = None;
-            self.texture_awaited = view.surface.is_some();
-        }
-        if picked || view.stages != old.stages || view.traced_texture != old.traced_texture {
-            effects.push(Effect::Texture);
-        }
-        effects.extend((view.copies != old.copies).then_some(Effect::Copies));
-        let moved = view.camera != old.camera || new_paths;
-        let asked = view.compare != Compare::Picture && old.compare == Compare::Picture;
-        if moved {
-            effects.extend(self.outdate_reference());
-        } else if asked && self.scene.is_some() && self.light_paths.traced().is_ok() {
-            effects.push(Effect::Reference);
-        }
-        effects
-    }
-
-    /// Lets weights follow the light-path expression of a new view, and the expression give way to weights
-    /// set by hand; whether another light is meant now. What cannot be read changes nothing.
-    fn look_at_paths(&mut self, view: &mut View) -> bool {
-        let old = &self.document.view;
-        let mut other = false;
-        if view.paths != old.paths {
-            let dull = self.scene.as_deref().is_some_and(is_dull);
-            self.light_paths = LightPaths::read(&view.paths, dull);
-            view.weights = self.light_paths.weights().unwrap_or(view.weights);
-            other = self.light_paths.traced().is_ok();
-        } else if view.weights != old.weights && !view.paths.is_empty() {
-            view.paths.clear();
-            self.light_paths = LightPaths::All;
-            other = true;
-        }
-        if view.compare == Compare::Difference && !self.light_paths.is_comparable() {
-            view.compare = Compare::Reference;
-        }
-        other
-    }
-
-    fn outdate_reference(&mut self) -> Option<Effect> {
-        let had = self.reference.take().is_some();
-        let shown = self.document.view.compare != Compare::Picture;
-        if shown && self.light_paths.traced().is_ok() {
-            Some(Effect::Reference)
-        } else {
-            (had || shown).then_some(Effect::DropReference)
-        }
-    }
-
     fn name(&self, target: Target) -> String {
         match self.scene.as_deref() {
             Some(scene) if exists(scene, target) => scene.target_name(target).to_owned(),
             _ => format!("{target:?}"),
         }
     }
-}
-
-/// The number of what had the number `n` before `gone` was taken away; `None` for that itself.
-fn renumbered(n: usize, gone: usize) -> Option<usize> {
-    (n != gone).then_some(if n > gone { n - 1 } else { n })
 }
 
 const NOTHING_OPEN: &str = "no scene is open";

@@ -20,9 +20,8 @@ use crate::{
         MirrorSettings, images::inspect::images as mirror_images, inspect as mirror, reflectors::Reflectors,
     },
     radiosity::{
-        inspect as radiosity,
+        inspect as radiosity, inspect_elements, inspect_exchange as exchange, inspect_light,
         inspect_lightmap::{self, Shown},
-        inspect_trees as layout,
         lightmap::LightmapReport,
     },
     transport::LightTransportSolution,
@@ -94,14 +93,8 @@ pub const VIEWS: &[ViewRow] = &[
         id: "irradiance_volume.grid",
         systems: &["G5"],
         title: "Volume grid",
-        tooltip: "Cells of the bilevel grid. First-level cells that hold geometry are divided again.",
-        build: |input| {
-            Some(volume::grid_lines(
-                input.solution.volume.as_ref()?,
-                input.volume.first_level,
-                input.volume.second_level,
-            ))
-        },
+        tooltip: "Cells of the bilevel grid. First-level cells that hold geometry are divided again; how finely is drawn where a slice is chosen.",
+        build: |input| Some(volume::grid_lines(input.solution.volume.as_ref()?, input.volume)),
     },
     ViewRow {
         id: "irradiance_volume.slice",
@@ -281,8 +274,8 @@ pub const VIEWS: &[ViewRow] = &[
         id: "radiosity.elements",
         systems: &["B2"],
         title: "Radiosity elements",
-        tooltip: "The grid of elements on flat surfaces, on which radiosity B = ρ E is solved.",
-        build: |input| Some(radiosity::wireframe(&input.solution.radiosity)),
+        tooltip: "What radiosity B = ρ E is solved on, over the picture: the area that each node of a grid stands for in chequers, leaves of quadtrees, and triangles that are lit at their corners; coloured by level, how often their side was halved from the usual spacing.",
+        build: |input| Some(inspect_elements::elements(&input.solution.radiosity, &input.solution.world)),
     },
     ViewRow {
         id: "radiosity.irradiance",
@@ -294,6 +287,27 @@ pub const VIEWS: &[ViewRow] = &[
         },
     },
     ViewRow {
+        id: "radiosity.radiosity",
+        systems: &["B2"],
+        title: "Radiosity",
+        tooltip: "Radiosity B = ρ E in lx of every element, the light that leaves it without what it emits: what the others gather.",
+        build: |input| Some(inspect_light::radiosity(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
+        id: "radiosity.gradient",
+        systems: &["B2"],
+        title: "Gradient of irradiance",
+        tooltip: "|∇E| in lx/m along the surface, from differences between elements: where light changes fast, and elements should be fine.",
+        build: |input| Some(inspect_light::gradient(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
+        id: "radiosity.seams",
+        systems: &["B3", "B5"],
+        title: "Seams between charts",
+        tooltip: "Edges across which a smooth surface goes on from one chart of elements to another, coloured by how far the light jumps there: |E_a − E_b| / max(E_a, E_b) in per cent.",
+        build: |input| Some(inspect_light::seams(&input.solution.radiosity, &input.solution.world)),
+    },
+    ViewRow {
         id: "radiosity.residual",
         systems: &["B2"],
         title: "Radiosity residual",
@@ -301,32 +315,32 @@ pub const VIEWS: &[ViewRow] = &[
         build: |input| Some(radiosity::residual(&input.solution.radiosity, &input.solution.world)),
     },
     ViewRow {
-        id: "radiosity.quadtrees",
-        systems: &["B2"],
-        title: "Radiosity quadtrees",
-        tooltip: "Leaves of the quadtrees on flat surfaces, brighter the finer; red crosses are T-vertices, corners inside an edge of a coarser neighbour. Shown where the plan subdivides elements.",
-        build: |input| layout::quadtrees(&input.solution.radiosity),
+        id: "radiosity.edges",
+        systems: &["B2", "B3"],
+        title: "Edges and T-vertices",
+        tooltip: "Edges between elements, coloured by level: leaves of quadtrees where the plan subdivides, else cells of grids, and triangles that are lit at their corners. Red crosses are T-vertices, corners inside an edge of a coarser neighbour.",
+        build: |input| Some(inspect_elements::edges(&input.solution.radiosity, &input.solution.world)),
     },
     ViewRow {
         id: "radiosity.texel_density",
         systems: &["B3"],
         title: "Texel density",
         tooltip: "Texels a metre of the light on surfaces: 1/√A of a grid's cell, or of the area a vertex element stands for.",
-        build: |input| Some(layout::texel_density(&input.solution.radiosity, &input.solution.world)),
+        build: |input| Some(exchange::texel_density(&input.solution.radiosity, &input.solution.world)),
     },
     ViewRow {
         id: "radiosity.second_difference",
         systems: &["B4"],
         title: "Mach bands",
         tooltip: "Second difference of irradiance between texels, the sum of four neighbours less four times the texel, in lx: where bilinear lookup creases and the eye sees bands.",
-        build: |input| Some(layout::second_difference(&input.solution.radiosity, &input.solution.world)),
+        build: |input| Some(exchange::second_difference(&input.solution.radiosity, &input.solution.world)),
     },
     ViewRow {
         id: "radiosity.links",
         systems: &["B2"],
         title: "Exchange of light",
         tooltip: "Lines from the element that was clicked to those it takes most light from: B/N for each of its N gather rays that met one of radiosity B, in lx.",
-        build: |input| layout::links(&input.solution.radiosity, input.element?),
+        build: |input| exchange::links(&input.solution.radiosity, input.element?),
     },
     ViewRow {
         id: "radiosity.lightmap",
@@ -341,6 +355,23 @@ pub const VIEWS: &[ViewRow] = &[
         title: "Lightmap less our light",
         tooltip: "The lightmap that is open less our irradiance at its texels, in lx by luminance: red where it has more.",
         build: |input| on_scene(input, Shown::Difference),
+    },
+    ViewRow {
+        id: "radiosity.lightmap_error",
+        systems: &["B3"],
+        title: "Lightmap less the path tracer",
+        tooltip: "The lightmap that is open less what the path tracer finds at its texels, in lx by luminance: red where it has more. Shown once it was held against the path tracer.",
+        build: |input| {
+            input.lightmap.filter(|l| !l.traced.is_empty())?;
+            on_scene(input, Shown::Error)
+        },
+    },
+    ViewRow {
+        id: "radiosity.lightmap_faults",
+        systems: &["B3"],
+        title: "Faults of the lightmap",
+        tooltip: "The texels of the lightmap that is open which something is wrong with, on their surfaces: leaks, dark ones, overlaps, seams, what is stretched or far from the others' density.",
+        build: |input| Some(inspect_lightmap::faults(input.lightmap?, &input.solution.world)),
     },
 ];
 

@@ -15,40 +15,62 @@ struct LineInfo {
     b: vec3f,
     padding_1: u32,
     colour: vec3f,
-    padding_2: u32,
+    opacity: f32,
+}
+
+struct MeshCorner {
+    position: vec3f,
+    opacity: f32,
+    value: vec3f,
+    padding: u32,
 }
 
 struct InspectionSettings {
     bins: u32,
     encode: u32,
-    padding_0: u32,
-    padding_1: u32,
+    natural: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> false_colour: FalseColour;
 @group(0) @binding(2) var<uniform> settings: InspectionSettings;
 @group(0) @binding(3) var<storage, read> spheres: array<Sphere>;
-// Luminance of each bin.
-@group(0) @binding(4) var<storage, read> bin_values: array<f32>;
+// Colour of each bin, sRGB in bytes.
+@group(0) @binding(4) var<storage, read> bin_colours: array<u32>;
 @group(0) @binding(5) var<storage, read> lines: array<LineInfo>;
-// Position and value, three a triangle.
-@group(0) @binding(6) var<storage, read> mesh: array<vec4f>;
+// Three a triangle.
+@group(0) @binding(6) var<storage, read> mesh: array<MeshCorner>;
 
 const NEAR: f32 = 1e-3;
 
-fn encoded(linear: vec3f) -> vec4f {
+fn encoded(linear: vec3f, opacity: f32) -> vec4f {
     if settings.encode != 0u {
-        return vec4f(srgb_from_linear(linear), 1.0);
+        return vec4f(srgb_from_linear(linear), opacity);
     }
-    return vec4f(linear, 1.0);
+    return vec4f(linear, opacity);
 }
 
-fn coloured(value: f32) -> vec4f {
+fn linear_channel(encoded: f32) -> f32 {
+    if encoded <= 0.04045 {
+        return encoded / 12.92;
+    }
+    return pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+// Twin of `FalseColour::colour_of`.
+fn coloured(value: vec3f) -> vec3f {
     let range = vec3f(false_colour.low, false_colour.high, f32(false_colour.logarithmic));
-    let x = palette_position(range, value) * 255.0;
+    if settings.natural != 0u {
+        return vec3f(
+            palette_position(range, value.x),
+            palette_position(range, value.y),
+            palette_position(range, value.z),
+        );
+    }
+    let x = palette_position(range, luminance(value)) * 255.0;
     let i = min(u32(x), 254u);
-    return encoded(mix(false_colour.palette[i].xyz, false_colour.palette[i + 1u].xyz, x - f32(i)));
+    return mix(false_colour.palette[i].xyz, false_colour.palette[i + 1u].xyz, x - f32(i));
 }
 
 fn square_corner(index: u32) -> vec2f {
@@ -102,11 +124,14 @@ fn sphere_bins(vertex: SphereVertex) -> Fragment {
     }
     let normal = normalize((direction * t - to_centre) / sphere.radius);
     let bin = sphere.first_bin + direction_bin(settings.bins, normal);
-    var value = 0.0;
-    if bin < arrayLength(&bin_values) {
-        value = bin_values[bin];
+    var colour = vec4f(0.0, 0.0, 0.0, 1.0);
+    if bin < arrayLength(&bin_colours) {
+        colour = unpack4x8unorm(bin_colours[bin]);
     }
-    return Fragment(coloured(value), frame.near / (t * dot(direction, frame.forward)));
+    if settings.encode == 0u {
+        colour = vec4f(linear_channel(colour.x), linear_channel(colour.y), linear_channel(colour.z), 1.0);
+    }
+    return Fragment(colour, frame.near / (t * dot(direction, frame.forward)));
 }
 
 fn biased(clip: vec4f) -> vec4f {
@@ -115,23 +140,25 @@ fn biased(clip: vec4f) -> vec4f {
 
 struct MeshVertex {
     @builtin(position) position: vec4f,
-    @location(0) value: f32,
+    @location(0) value: vec3f,
+    @location(1) @interpolate(flat, first) opacity: f32,
 }
 
 @vertex
 fn mesh_vertex(@builtin(vertex_index) index: u32) -> MeshVertex {
-    let vertex = mesh[index];
-    return MeshVertex(biased(clip_position(frame, view_position(frame, vertex.xyz))), vertex.w);
+    let corner = mesh[index];
+    let position = biased(clip_position(frame, view_position(frame, corner.position)));
+    return MeshVertex(position, corner.value, corner.opacity);
 }
 
 @fragment
 fn mesh_colour(vertex: MeshVertex) -> @location(0) vec4f {
-    return coloured(vertex.value);
+    return encoded(coloured(vertex.value), vertex.opacity);
 }
 
 struct LineVertex {
     @builtin(position) position: vec4f,
-    @location(0) @interpolate(flat, first) colour: vec3f,
+    @location(0) @interpolate(flat, first) colour: vec4f,
 }
 
 @vertex
@@ -140,7 +167,7 @@ fn line_rectangle(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     var a = view_position(frame, line.a);
     var b = view_position(frame, line.b);
     if max(a.z, b.z) <= NEAR {
-        return LineVertex(vec4f(2.0, 2.0, 0.5, 1.0), line.colour);
+        return LineVertex(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(line.colour, line.opacity));
     }
     if a.z < NEAR {
         a = mix(b, a, (b.z - NEAR) / (b.z - a.z));
@@ -161,10 +188,10 @@ fn line_rectangle(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     let aside = vec2f(-tangent.y, tangent.x) * ((corner.y - 0.5) * frame.line_width);
     var clip = biased(clip_position(frame, end));
     clip = vec4f(clip.xy + aside / half_pixels * clip.w, clip.zw);
-    return LineVertex(clip, line.colour);
+    return LineVertex(clip, vec4f(line.colour, line.opacity));
 }
 
 @fragment
 fn line_colour(vertex: LineVertex) -> @location(0) vec4f {
-    return encoded(vertex.colour);
+    return encoded(vertex.colour.xyz, vertex.colour.w);
 }

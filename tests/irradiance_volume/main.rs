@@ -501,7 +501,8 @@ fn views_show_what_is_asked_for() {
     let radiance = VolumeView { quantity: Quantity::Radiance, ..view };
     assert_eq!(volume_spheres(&volume, &world, &light, &radiance, None).legend.unwrap().unit, "cd/m²");
     // A 3³ lattice of cells has 3 axes of 4 × 4 lines.
-    assert_eq!(grid_lines(&volume, true, false).lines.len(), 48);
+    let first = VolumeView { second_level: false, ..VolumeView::default() };
+    assert_eq!(grid_lines(&volume, &first).value_lines.len(), 48);
 
     let probe = Probe::at(&world, &light, Vec3::new(1.5, 1.7, 2.0), 9, 4, 0).unwrap();
     let shown = probe_scene(&probe, Quantity::Irradiance, Part::All, 0.1);

@@ -96,3 +96,25 @@ fn a_wall_is_shown_as_one_sees_it_who_stands_before_it() {
     let (top, bottom) = (mean(&|_, y| y < 6), mean(&|_, y| y > 9));
     assert!(bottom < top, "top {top} lx, bottom {bottom} lx");
 }
+
+#[test]
+fn orders_are_means_of_corners_and_of_the_leaves_that_meet() {
+    let solution = solved(box_room(0.5, 10.0), 0.25);
+    let grid = GridTexture::of_element(&solution.radiosity, 0).expect("a wall has a grid");
+    let [nx, ny] = grid.nodes;
+    assert!(nx == ny && (nx - 1).is_power_of_two(), "{nx} x {ny}: a full tree's vertices");
+    let cells = nx - 1;
+    let node = |x: u32, y: u32| grid.stages(&StageSettings::default())[0].texture.image.at(x, y);
+    let [zero, first] = grid.orders().expect("a tree");
+    let mean = |x: u32, y: u32| (node(x, y) + node(x + 1, y) + node(x, y + 1) + node(x + 1, y + 1)) / 4.0;
+    for (x, y) in [(0, 0), (3, 1), (cells - 1, cells - 1)] {
+        // Program 5.7: one texel a leaf. Single precision, in another order.
+        let texel = zero.texture.image.at(x, y);
+        assert!((texel - mean(x, y)).abs().max_element() < 1e-3, "{texel} {}", mean(x, y));
+    }
+    // Programs 5.10 and 5.11: the mean of four leaves inside, of one at a corner.
+    let inside = (mean(2, 2) + mean(3, 2) + mean(2, 3) + mean(3, 3)) / 4.0;
+    assert!((first.texture.image.at(3, 3) - inside).abs().max_element() < 1e-3);
+    assert!((first.texture.image.at(0, 0) - mean(0, 0)).abs().max_element() < 1e-3);
+    assert_eq!([zero.texels(), first.texels()], [cells * cells, nx * nx].map(|n| n as usize));
+}

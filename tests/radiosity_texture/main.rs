@@ -3,9 +3,11 @@
 mod convert;
 mod curved;
 mod grid;
+mod inspect;
 mod lightmap;
 mod lookup;
 mod quadtree;
+mod reconstruct;
 mod spot;
 mod stages;
 mod subdivision;

@@ -4,7 +4,8 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{colour::luminance, part::Part, progress::Progress, random::Rng},
     radiosity::{
-        RadiositySettings, RadiositySolution, inspect_trees, subdivide::Subdivision, surface_map::UNSOLVED,
+        RadiositySettings, RadiositySolution, inspect_elements, inspect_exchange, subdivide::Subdivision,
+        surface_map::UNSOLVED,
     },
     scene::{Scene, world::World},
 };
@@ -89,18 +90,24 @@ fn trees_are_split_where_surfaces_meet_and_their_light_is_continuous() {
         let rays = solution.transport().row(i as u32).len();
         assert!(rays >= 96 << above && rays <= 96 << 2, "{rays} rays {above} levels above the finest");
     }
-    let view = inspect_trees::quadtrees(&solution).expect("there are trees");
-    assert!(
-        view.lines.len() > 4 * 100 && view.notes.iter().any(|n| n.ends_with(" T-vertices")),
-        "{:?}",
-        view.notes
-    );
+    // Four edges a leaf, coloured by its level; two strokes a T-vertex.
+    let view = inspect_elements::edges(&solution, &world);
+    let leaves: Vec<_> = map.trees.iter().flatten().flat_map(|t| &t.leaves).collect();
+    let at_level = |level: f32| view.value_lines.iter().filter(|l| l.value == level).count();
+    let of_level = |level: u8| leaves.iter().filter(|l| l.level == level).count();
+    assert!(of_level(1) > 100 && of_level(2) > 0);
+    assert!(at_level(2.0) <= 4 * of_level(2) && at_level(2.0) > 3 * of_level(2), "{:?}", view.notes);
+    let noted = view.notes.iter().find_map(|n| n.strip_suffix(" T-vertices")?.parse().ok());
+    assert_eq!(noted, Some(view.lines.len() / 2));
+    // Chequers cover what the leaves cover.
+    let shown = inspect_elements::elements(&solution, &world);
+    assert!(shown.meshes.iter().all(|m| m.transparency > 0.0 && m.triangles.len() > 100));
     // The links of an element carry the light it takes from others.
     let picked = |i: &u32| map.elements[*i as usize].position.distance(Vec3::new(2.5, 0.0, 2.0)) < 0.3;
     let picked = (0..map.elements.len() as u32).find(picked).expect("an element");
-    let links = inspect_trees::links(&solution, picked).expect("an element");
+    let links = inspect_exchange::links(&solution, picked).expect("an element");
     assert!(
-        !links.lines.is_empty() && links.notes[0].contains(" lx from other elements"),
+        !links.value_lines.is_empty() && links.notes[0].contains(" lx from other elements"),
         "{:?}",
         links.notes
     );

@@ -2,7 +2,7 @@
 
 use super::*;
 use lumenscope_core::{
-    inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
+    inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph, ValueLine},
     math::{
         false_colour::{FalseColour, Palette},
         sphere_map::DirectionBins,
@@ -84,7 +84,9 @@ fn inspection_scenes_are_drawn_as_the_overlay_says() {
             glyph(Vec3::new(0.7, 0.3, -0.6), bins.len() as u32),
             glyph(Vec3::new(0.1, 1.2, 0.5), 0),
         ],
-        sphere_bins: (0..2 * bins.len()).map(|i| Vec3::splat((i % 17) as f32)).collect(),
+        sphere_bins: (0..2 * bins.len())
+            .map(|i| Vec3::new((i % 17) as f32, (i % 11) as f32, (i % 5) as f32))
+            .collect(),
         bins: Some(bins),
         meshes: vec![ColouredMesh {
             positions: vec![
@@ -94,6 +96,12 @@ fn inspection_scenes_are_drawn_as_the_overlay_says() {
             ],
             values: vec![Vec3::ZERO, Vec3::splat(8.0), Vec3::splat(16.0)],
             triangles: vec![[0, 1, 2]],
+            transparency: 0.4,
+        }],
+        value_lines: vec![ValueLine {
+            ends: [Vec3::new(0.9, 0.1, 0.9), Vec3::new(-0.9, 1.9, -0.9)],
+            value: 12.0,
+            transparency: 0.5,
         }],
         lines: vec![Line {
             ends: [Vec3::new(-0.9, 0.1, 0.9), Vec3::new(0.9, 1.9, -0.9)],
@@ -101,28 +109,31 @@ fn inspection_scenes_are_drawn_as_the_overlay_says() {
         }],
         ..InspectionScene::default()
     };
-    let colour = FalseColour { palette: Palette::Viridis, low: 0.0, high: 16.0, logarithmic: false };
     let camera = solution.scene.camera;
-    let (device, queue) = (&gpu.context.device, &gpu.context.queue);
-    gpu.renderer.set_inspection(device, queue, Some(&scene), &colour).unwrap();
     let settings = frame_settings(camera, DirectQuality::Elements);
-    gpu.frame(&settings);
     let pass = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
     let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &pass);
     let plain = composite::display(&layers.total(), &settings.display);
-    let mut wanted = plain.clone();
-    overlay::draw(&mut wanted, &buffer, &camera, &scene, &colour);
-    let drawn = plain.iter().zip(&wanted).filter(|(a, b)| a != b).count();
-    assert!(drawn > 500, "only {drawn} pixels of overlay");
-    let off = gpu
-        .output()
-        .iter()
-        .zip(&wanted)
-        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2))
-        .count();
-    // Edges of lines, triangles and bins fall on the other side of a pixel's centre now and then.
-    println!("overlay: {off} of {} pixels differ, {drawn} are drawn", wanted.len());
-    assert!(off * 100 <= wanted.len(), "{off} pixels differ");
+    let over = |palette| FalseColour { palette, low: 0.0, high: 16.0, logarithmic: false };
+    for palette in [Palette::Viridis, Palette::Natural] {
+        let colour = over(palette);
+        gpu.renderer.set_inspection(&gpu.context.device, &gpu.context.queue, Some(&scene), &colour).unwrap();
+        gpu.frame(&settings);
+        let mut wanted = plain.clone();
+        overlay::draw(&mut wanted, &buffer, &camera, &scene, &colour);
+        let drawn = plain.iter().zip(&wanted).filter(|(a, b)| a != b).count();
+        assert!(drawn > 500, "only {drawn} pixels of overlay");
+        let off = gpu
+            .output()
+            .iter()
+            .zip(&wanted)
+            .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2))
+            .count();
+        // Edges of lines, triangles and bins fall on the other side of a pixel's centre now and then.
+        println!("overlay, {palette:?}: {off} of {} pixels differ, {drawn} are drawn", wanted.len());
+        assert!(off * 100 <= wanted.len(), "{palette:?}: {off} pixels differ");
+    }
+    let colour = over(Palette::Viridis);
     gpu.renderer.set_inspection(&gpu.context.device, &gpu.context.queue, None, &colour).unwrap();
     gpu.frame(&settings);
     let left = gpu.output().iter().zip(&plain).filter(|(a, b)| a[0].abs_diff(b[0]) > 2).count();

@@ -159,7 +159,16 @@ fn structures_have_the_same_layout_on_both_sides() {
         b,
         padding_1,
         colour,
-        padding_2
+        opacity
     );
-    same_layout!(INSPECTION, "InspectionSettings", gpu_inspection::InspectionSettings, bins, encode, padding);
+    same_layout!(INSPECTION, "MeshCorner", gpu_inspection::MeshCorner, position, opacity, value, padding);
+    same_layout!(
+        INSPECTION,
+        "InspectionSettings",
+        gpu_inspection::InspectionSettings,
+        bins,
+        encode,
+        natural,
+        padding
+    );
 }

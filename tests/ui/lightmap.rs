@@ -3,12 +3,8 @@
 use crate::window::Window;
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use lumenscope::{
-    command::Command,
-    lightmaps::{Fault, LightmapFile},
-    panels::lightmap,
-};
-use lumenscope_core::{io::exr, math::image::LinearImage};
+use lumenscope::{command::Command, lightmaps::LightmapFile, panels::lightmap};
+use lumenscope_core::{io::exr, math::image::LinearImage, radiosity::faults::Fault};
 use std::fs;
 
 /// A square floor of 1 m with texture coordinates, a lamp over its middle.
@@ -24,7 +20,7 @@ fn a_png_holds_encoded_shares_of_its_white() {
     let path = folder.path().join("map.PNG");
     let grey = image::RgbImage::from_pixel(2, 2, image::Rgb([188, 0, 255]));
     grey.save(&path).unwrap();
-    let file = LightmapFile { path, white: 200.0 };
+    let file = LightmapFile { path, white: 200.0, paths: 0 };
     assert!(LightmapFile::is_one(&file.path));
     // ((188 / 255 + 0.055) / 1.055)^2.4 = 0.5029 by IEC 61966-2-1.
     let pixel = file.read().unwrap().pixels[3];
@@ -56,9 +52,9 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
     window.keep("lightmap");
     let judged = window.app().session().lightmap.clone().unwrap();
     assert_eq!(judged.report.texels.len(), (SIDE * SIDE) as usize);
-    assert_eq!(judged.count(Fault::Dark), ((SIDE * SIDE / 4) as usize, "texels"));
-    for fault in [Fault::Leak, Fault::Overlap, Fault::Stretched] {
-        assert_eq!(judged.count(fault).0, 0, "{}", fault.name());
+    assert_eq!(judged.report.count(Fault::Dark), ((SIDE * SIDE / 4) as usize, "texels"));
+    for fault in [Fault::Leak, Fault::Overlap, Fault::Stretched, Fault::Uneven] {
+        assert_eq!(judged.report.count(fault).0, 0, "{}", fault.name());
     }
     // Three quarters are the closed form: what is left is its place in a texel.
     assert!(judged.errors.median < 1e-3, "{:?}", judged.errors);
@@ -71,7 +67,7 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
     window.harness.get_by_label("256 texels");
     // On the floor itself: a quarter is black.
     window.harness.get_by_label("the lightmap").click();
-    window.wait("the view", |app| app.session().inspection.is_some());
+    window.wait("the view", |app| app.session().inspection.as_ref().is_some_and(|i| !i.meshes.is_empty()));
     window.harness.run_steps(3);
     window.keep("lightmap_in_scene");
     let shown = window.app().session().inspection.clone().unwrap();
@@ -82,17 +78,22 @@ fn a_dropped_lightmap_is_held_against_our_light_and_its_faults_are_marked() {
     // One that is no picture is said so once, and let go.
     let broken = folder.join("broken.exr");
     fs::write(&broken, "no picture").unwrap();
-    window.run(Command::Lightmap(LightmapFile { path: broken, white: 1.0 }));
+    window.run(Command::Lightmap(LightmapFile::new(broken)));
     window.wait("the notice", |app| !app.is_busy() && app.session().lightmap_file.is_none());
     // Nor does the scene keep showing the one before.
-    window
-        .wait("an empty view", |app| app.session().inspection.is_none() && app.session().lightmap.is_none());
+    window.wait("an empty view", |app| {
+        let session = app.session();
+        session.lightmap.is_none() && session.inspection.as_ref().is_some_and(|i| i.is_beside_the_scene())
+    });
 
     // Another white, other light: twice as much as ours everywhere.
-    window.run(Command::Lightmap(LightmapFile { white: 2.0, path: file.clone() }));
+    window.run(Command::Lightmap(LightmapFile { white: 2.0, paths: 64, path: file.clone() }));
     window.wait("the lightmap again", |app| app.session().lightmap.is_some());
     let median = window.app().session().lightmap.as_ref().unwrap().errors.median;
     assert!((median - 1.0).abs() < 2e-3, "{median}");
+    // And than the path tracer, which meets nothing but a point lamp and the floor: no noise.
+    let traced = window.app().session().lightmap.as_ref().unwrap().traced.unwrap();
+    assert!((traced.of_map.median - 1.0).abs() < 2e-3 && traced.of_ours.median < 1e-3, "{traced:?}");
 
     // What is no lightmap is said, and the scene stays.
     let broken = folder.join("broken.exr");

@@ -68,9 +68,17 @@ fn layers_and_views_follow_their_keys() {
     }
     window.press(egui::Key::V);
     assert!(window.app().session().inspection.is_none());
-    for compare in [Compare::Reference, Compare::Difference, Compare::Picture] {
+    for compare in [Compare::Reference, Compare::Difference, Compare::Flip, Compare::Picture] {
         window.press(egui::Key::R);
         assert_eq!(window.view().compare, compare);
+        if compare.is_comparison() {
+            // The error in numbers stands beside the picture, to be copied.
+            window.wait_for_label("Copy the picture's error");
+            window.keep(&format!("{compare:?}"));
+            for name in ["relMSE", "FLIP", "perceptual", "worst pixel"] {
+                assert!(window.harness.query_all_by_label(name).next().is_some(), "{name} is not shown");
+            }
+        }
         if compare == Compare::Reference {
             window
                 .wait("a reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 2));

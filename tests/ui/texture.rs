@@ -64,7 +64,7 @@ fn a_clicked_wall_shows_its_texture_at_three_stages_and_how_far_each_is_off() {
     );
     let words = texture::text(&view);
     assert!(words.lines().count() == 4 && !words.contains('–'), "{words}");
-    for name in ["stage 1 − path tracer", "path tracer"] {
+    for name in ["stage 1 − path tracer", "path tracer", "stage 3, bands"] {
         window.harness.get_by_label(name);
     }
 
@@ -93,7 +93,9 @@ fn links_follow_the_element_that_is_clicked() {
     let rect = window.harness.get_by_label("viewport").rect();
     let from = |window: &mut Window, x: f32, y: f32| {
         window.click_at(rect.lerp_inside(egui::vec2(x, y)));
-        window.wait("the links", |app| !app.is_busy() && app.session().inspection.is_some());
+        window.wait("the links", |app| {
+            !app.is_busy() && app.session().inspection.as_ref().is_some_and(|i| !i.labels.is_empty())
+        });
         let pick = window.app().pick().unwrap().clone();
         let label = window.app().session().inspection.clone().unwrap().labels[0].position;
         // Elements are half a metre apart.

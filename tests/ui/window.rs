@@ -113,6 +113,16 @@ impl Window<'_> {
         }
     }
 
+    /// Waits until a widget with a label is there.
+    pub fn wait_for_label(&mut self, label: &str) {
+        let began = Instant::now();
+        while self.harness.query_by_label(label).is_none() {
+            assert!(began.elapsed() < PATIENCE, "waited in vain for {label}");
+            self.harness.step();
+            sleep(Duration::from_millis(20));
+        }
+    }
+
     pub fn wait_lit(&mut self) {
         self.wait("settled light", |app| app.badge() == Badge::Settled);
     }

@@ -249,7 +249,7 @@ fn ask_for_file(
             Dialog::AddModel => Command::AddModel(path),
             Dialog::SaveSession => Command::SaveSession(path),
             Dialog::Export(what) => Command::Export(what, path),
-            Dialog::Lightmap => Command::Lightmap(LightmapFile { path, white: 1.0 }),
+            Dialog::Lightmap => Command::Lightmap(LightmapFile::new(path)),
             Dialog::Volume => Command::CompareWith(VolumeSource::File(path)),
             Dialog::Panoramas => Command::CompareWith(VolumeSource::Panoramas(path)),
         };

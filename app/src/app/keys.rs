@@ -52,7 +52,8 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
         view.compare = match view.compare {
             Compare::Picture => Compare::Reference,
             Compare::Reference if session.light_paths.is_comparable() => Compare::Difference,
-            Compare::Reference | Compare::Difference => Compare::Picture,
+            Compare::Difference => Compare::Flip,
+            Compare::Reference | Compare::Flip => Compare::Picture,
         };
     }
     if with(Modifiers::NONE, Key::V) {

@@ -5,8 +5,12 @@ use anyhow::Context;
 use clap::Args;
 use lumenscope_core::{
     io::{exr, png},
-    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
-    measure,
+    math::{
+        colour::{luminance, srgb8},
+        false_colour::{FalseColour, Palette},
+        image::LinearImage,
+    },
+    measure::picture::PictureError,
     superposition::composite,
 };
 use std::path::{Path, PathBuf};
@@ -18,7 +22,8 @@ pub struct Options {
     a: PathBuf,
     /// Picture or volume to compare it with.
     b: PathBuf,
-    /// Folder for the difference images; of volumes a map of A − B on three planes and a histogram.
+    /// Folder for the difference in false colour and as numbers, and for the map of FLIP; of volumes a map of A − B on
+    /// three planes and a histogram.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Layer to compare; the picture itself by default.
@@ -36,20 +41,15 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let (a, b) = (layer(&options.a, &options.layer)?, layer(&options.b, &options.layer)?);
     let display = auto_display(&b);
-    let flip = measure::image::flip_displayed(
-        &composite::display(&a, &display),
-        &composite::display(&b, &display),
-        a.width,
-        measure::image::PIXELS_PER_DEGREE,
-    )?;
-    let worst = measure::image::worst_pixel(&a, &b)?;
+    let (error, flip) = PictureError::new(&a, &b, |image| composite::display(image, &display))?;
+    let worst = error.worst;
     let report = serde_json::json!({
-        "mse": measure::image::mse(&a, &b)?,
-        "rel_mse": measure::image::rel_mse(&a, &b)?,
-        "smape": measure::image::smape(&a, &b)?,
-        "mean_signed": measure::image::mean_signed(&a, &b)?.to_array(),
-        "flip": flip.mean,
-        "perceptual": measure::perceptual::difference(&a, &b, measure::image::PIXELS_PER_DEGREE)?,
+        "mse": error.mse,
+        "rel_mse": error.rel_mse,
+        "smape": error.smape,
+        "mean_signed": error.mean_signed.to_array(),
+        "flip": error.flip,
+        "perceptual": error.perceptual,
         "worst_pixel": { "x": worst.x, "y": worst.y, "difference": worst.difference },
     });
     println!("{}", serde_json::to_string_pretty(&report)?);
@@ -60,6 +60,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let false_colour = FalseColour { palette: Default::default(), low: 0.0, high, logarithmic: false };
     let shown = composite::Display { false_colour: Some(false_colour), ..display };
     png::write_png(&out.join("difference.png"), a.width, a.height, &composite::display(&difference, &shown))?;
+    let inferno = FalseColour::over([0.0, 1.0], Palette::Inferno);
+    let noticed: Vec<[u8; 3]> = flip.map.iter().map(|v| srgb8(inferno.colour(*v))).collect();
+    png::write_png(&out.join("flip.png"), a.width, a.height, &noticed)?;
     exr::write_layers(&out.join("difference.exr"), &[("", &difference)], "absolute difference, cd/m2")?;
     eprintln!(
         "{}: absolute luminance difference, 0 to {high:.3} cd/m²",

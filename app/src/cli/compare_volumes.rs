@@ -2,11 +2,10 @@
 
 use super::{
     page::{INK, Page},
-    screenshots::false_colour,
     solve,
 };
 use lumenscope_core::{
-    inspection::{Curve, InspectionScene},
+    inspection::{Curve, InspectionScene, colours::ColourSettings},
     io::png::write_png,
     irradiance_volume::{
         IrradianceVolume,
@@ -83,7 +82,7 @@ fn maps(difference: &Difference) -> anyhow::Result<Page> {
     for (_, scene) in &slices {
         most = most.max(scene.legend.as_ref().map_or(0.0, |l| l.range[1]));
     }
-    let mut colours = false_colour(&slices[0].1);
+    let mut colours = slices[0].1.colours(&ColourSettings::default());
     (colours.low, colours.high) = (-most.max(f32::MIN_POSITIVE), most.max(f32::MIN_POSITIVE));
     page.text(
         MARGIN,

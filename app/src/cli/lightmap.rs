@@ -24,7 +24,10 @@ pub struct Options {
     /// Irradiance of white in a `.png`, or of 1 in the others, lx.
     #[arg(long, default_value_t = 1.0)]
     white: f32,
-    /// Folder for our light, the difference and the faults, in the lightmap's texels.
+    /// Hold the lightmap and our light against the path tracer too, by this many paths a texel, 1 to 65536.
+    #[arg(long, value_name = "PATHS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    reference: Option<u32>,
+    /// Folder for our light, the path tracer's where asked for, the difference and the faults, in the lightmap's texels.
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -37,7 +40,11 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if !(options.white > 0.0 && options.white.is_finite()) {
         bail!("--white must be positive, got {}", options.white);
     }
-    let file = LightmapFile { path: options.map.clone(), white: options.white };
+    let file = LightmapFile {
+        path: options.map.clone(),
+        white: options.white,
+        paths: options.reference.unwrap_or(0),
+    };
     // A missing file is told before anything is solved.
     file.read()?;
     let loaded = solve::load(&options.scene, common)?;
@@ -47,6 +54,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let Some(out) = &options.out else { return Ok(()) };
     solve::output_folder(out)?;
     exr::write_layers(&out.join("ours.exr"), &[("", &judged.ours())], "irradiance, lx")?;
+    if let Some(reference) = judged.reference() {
+        exr::write_layers(
+            &out.join("reference.exr"),
+            &[("", &reference)],
+            "irradiance by the path tracer, lx",
+        )?;
+    }
     let colours = judged.difference_colours();
     let coloured = |d: Option<f32>| d.map_or(crate::widgets::field::UNKNOWN, |d| srgb8(colours.colour(d)));
     let difference = judged.difference().into_iter().map(coloured).collect();
@@ -61,9 +75,18 @@ fn summary(judged: &JudgedLightmap) -> serde_json::Value {
     let places = |list: &[usize]| -> Vec<[f32; 3]> {
         list.iter().take(LISTED).map(|&i| report.texels[i].position.to_array()).collect()
     };
+    let traced = judged.traced.as_ref().map(|t| {
+        serde_json::json!({
+            "paths": t.paths,
+            "relative_standard_error": t.noise,
+            "relative_error_of_map": t.of_map,
+            "relative_error_of_ours": t.of_ours,
+        })
+    });
     serde_json::json!({
         "texels": report.texels.len(),
         "relative_error": judged.errors,
+        "reference": traced,
         "unmapped_triangles": report.unmapped.len(),
         "overlapping_texels": report.overlapping.len(),
         "stretched_triangles": report.stretched.len(),

@@ -8,6 +8,7 @@ mod copies;
 mod cost;
 mod fly;
 mod fly_path;
+mod framed;
 mod glossy;
 mod glossy_judge;
 mod glossy_kernels;
@@ -34,9 +35,11 @@ mod report;
 mod screenshots;
 mod small_png;
 mod solve;
+mod surface_texture;
 mod table;
 mod textures;
 mod tour;
+mod view;
 mod volume;
 mod volume_options;
 mod volume_table;
@@ -142,7 +145,8 @@ enum Job {
     /// Our light as a lightmap over a scene's texture coordinates, or over coordinates packed here.
     #[command(after_help = "Example: lumenscope bake room.glb --out light.exr --size 1024x1024")]
     Bake(bake::Options),
-    /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known.
+    /// Ways of reconstructing radiosity from few samples, judged on a bright spot whose light is known, or the stages
+    /// of one surface of a scene against the path tracer.
     #[command(after_help = "Example: lumenscope textures --out out --samples 5")]
     Textures(textures::Options),
     /// Ways of convolving what glossy surfaces mirror, judged against the path tracer by roughness.
@@ -159,6 +163,11 @@ enum Job {
         after_help = "Example: lumenscope reflectance scenes/mirror/pyramid.ron --metal 0.63,0.56,0.37 --out out"
     )]
     Reflectance(reflectance::Options),
+    /// What the window's views show, as pictures with their legends and as numbers.
+    #[command(
+        after_help = "Example: lumenscope view scenes/office/office.ron --view radiosity.irradiance --percentiles 2,98 --out out"
+    )]
+    View(view::Options),
     /// Everything in a scene that would make light wrong.
     #[command(after_help = "Example: lumenscope check model.glb")]
     Check {
@@ -201,11 +210,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> anyhow::Result<()> 
         Some(Job::Replay(options)) => replay::run(&options, common),
         Some(Job::Lightmap(options)) => lightmap::run(&options, common),
         Some(Job::Bake(options)) => bake::run(&options, common),
-        Some(Job::Textures(options)) => textures::run(&options),
+        Some(Job::Textures(options)) => textures::run(&options, common),
         Some(Job::Glossy(options)) => glossy::run(&options, common),
         Some(Job::Kernel(options)) => kernel::run(&options, common),
         Some(Job::Images(options)) => images::run(&options, common),
         Some(Job::Reflectance(options)) => reflectance::run(&options, common),
+        Some(Job::View(options)) => view::run(&options, common),
         Some(Job::Check { scene }) => solve::check(&scene),
         Some(Job::Screenshots(options)) => screenshots::run(&options, common),
     }

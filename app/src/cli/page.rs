@@ -42,10 +42,16 @@ impl Page {
     /// Text with its upper left corner at a pixel; what the font lacks shows as a question mark.
     pub fn text(&mut self, x: usize, y: usize, scale: usize, text: &str, ink: [u8; 3]) {
         for (i, c) in text.chars().enumerate() {
-            let plain = if c == '₀' { '0' } else { c };
+            let plain = match c {
+                '₀' => '0',
+                '−' | '–' => '-',
+                '’' => '\'',
+                other => other,
+            };
             let glyph = font8x8::BASIC_FONTS
                 .get(plain)
                 .or_else(|| font8x8::LATIN_FONTS.get(plain))
+                .or_else(|| font8x8::GREEK_FONTS.get(plain))
                 .or_else(|| font8x8::BASIC_FONTS.get('?'))
                 .unwrap_or_default();
             for (row, bits) in glyph.into_iter().enumerate() {

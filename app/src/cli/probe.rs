@@ -58,7 +58,7 @@ pub struct Options {
 
 /// Part of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Light {
+pub(super) enum Light {
     All,
     Direct,
     Indirect,
@@ -201,7 +201,7 @@ fn report(options: &Options, probe: &Probe, finer: &[Probe]) -> serde_json::Valu
 }
 
 impl Light {
-    fn part(self) -> Part {
+    pub(super) fn part(self) -> Part {
         match self {
             Self::All => Part::All,
             Self::Direct => Part::Direct,

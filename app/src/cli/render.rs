@@ -13,7 +13,7 @@ use lumenscope_core::{
     mirror::MirrorMethod,
     radiosity::lookup::Lookup,
     reference::expression::Expression,
-    scene::world::World,
+    scene::{lookup::Reconstruction, world::World},
     superposition::{
         composite::{self, DirectQuality, Display},
         layers::{COUNT, Layer, Layers},
@@ -57,6 +57,10 @@ pub struct Options {
     /// Where what flat mirrors show comes from; as the plan has it by default.
     #[arg(long, value_enum)]
     mirrors: Option<MirrorsName>,
+    /// What becomes of that light before: nothing, the smooth function through the nodes at twice as many of them, or
+    /// that low-passed; as the plan has it by default.
+    #[arg(long, value_enum)]
+    reconstruction: Option<ReconstructionName>,
     /// Only the light of these paths, from the light L to the eye E by diffuse D and specular S reflections; where
     /// nothing is specular any, else what is a sum of layers: LDE, "LD{2}E", "L(D|S)*SE".
     #[arg(long)]
@@ -94,6 +98,17 @@ pub enum MirrorsName {
     Images,
 }
 
+/// [`Reconstruction`] by its name on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ReconstructionName {
+    /// The nodes as they are.
+    Stored,
+    /// The smooth function through them.
+    Hermite,
+    /// That, low-passed.
+    Filtered,
+}
+
 /// Renders.
 ///
 /// # Errors
@@ -117,6 +132,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         });
         scene.plan.mirrors = mirrors.or(scene.plan.mirrors);
         loaded.plan = Plan::new(scene, &World::new(scene), common.tolerance, common.seed);
+    }
+    if let Some(reconstruction) = options.reconstruction {
+        Arc::make_mut(&mut loaded.scene).plan.reconstruction = Some(match reconstruction {
+            ReconstructionName::Stored => Reconstruction::Stored,
+            ReconstructionName::Hermite => Reconstruction::Hermite,
+            ReconstructionName::Filtered => Reconstruction::Filtered,
+        });
     }
     if let Some(settings) = &mut loaded.plan.solve.volume {
         options.volume.apply(settings);
@@ -188,6 +210,7 @@ pub fn picture(
     backend: Backend,
     seed: u64,
 ) -> anyhow::Result<(Layers, String)> {
+    let solution = &solution.reconstructed();
     if backend != Backend::Cpu {
         match gpu::offline::render(
             solution,

@@ -6,36 +6,26 @@ use super::{
     Common, copies,
     probe::looking_from,
     render::{self, Backend, auto_display},
-    small_png, solve, wall,
+    small_png, solve, view, wall,
 };
 use crate::{wall::WallSettings, widgets::resolutions::ROWS};
 use anyhow::Context;
 use clap::Args;
 use glam::Vec3;
 use lumenscope_core::{
-    inspection::InspectionScene,
+    inspection::colours::ColourSettings,
     irradiance_volume::{
         IrradianceVolume,
         difference::Difference,
         ignored::Ignored,
-        inspect::VolumeView,
-        placement::{
-            MeasureSettings,
-            requirement::{PRESETS, Preset},
-        },
         probe::{Probe, Quantity},
     },
-    math::{
-        colour::luminance, false_colour::FalseColour, image::LinearImage, part::Part,
-        sphere_values::SphereValues,
-    },
-    registry::{VIEWS, ViewInput},
+    math::{image::LinearImage, part::Part, sphere_values::SphereValues},
+    registry::VIEWS,
     scene::{accel::Ray, geometry::Surface},
     superposition::{
-        composite::{self, DirectQuality},
+        composite,
         layers::{Layer, Layers},
-        overlay,
-        pass::{self, PassSettings},
     },
     transport::LightTransportSolution,
 };
@@ -131,7 +121,7 @@ fn resolutions(solution: &LightTransportSolution, folder: &Path) -> anyhow::Resu
 }
 
 /// Where the tour's spheres stand: before the camera, above what it looks at.
-fn probed(solution: &LightTransportSolution) -> Vec3 {
+pub(super) fn probed(solution: &LightTransportSolution) -> Vec3 {
     let camera = &solution.scene.camera;
     camera.eye + (camera.target - camera.eye) * 0.6
 }
@@ -157,36 +147,21 @@ pub fn write_pictures(
         if layers.get(layer).pixels.iter().all(|p| *p == Vec3::ZERO) {
             continue;
         }
-        let pixels = composite::display(layers.get(layer), &display);
+        // Exposed for itself: indirect light would be lost in the dark of the whole picture's exposure.
+        let pixels = composite::display(layers.get(layer), &auto_display(layers.get(layer)));
         write(&folder.join(format!("layer_{}.png", layer.name())), width, height, &pixels)?;
     }
-    let camera = &solution.scene.camera;
-    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
-    let (buffer, _) = pass::render(solution, camera, width, height, &settings);
-    let probe = Probe::at(&solution.world, &*solution.radiosity, probed(solution), 17, 1, 1)?;
-    let plane = solution.scene.planes.first().map_or("", |p| &p.name);
-    let measured = super::placement::measured(solution, plane, 3, &MeasureSettings::default()).ok();
-    let writing = PRESETS.iter().find(|p| p.mean_lx == Some(500.0)).map(Preset::requirement);
-    let without_main = without_main_emitter(solution);
-    let input = ViewInput {
-        solution,
-        probe: Some(&probe),
-        point: point_looked_at(solution),
-        element: element_looked_at(solution),
-        volume: &VolumeView::default(),
-        against: without_main.as_ref(),
-        placement: measured.as_ref().zip(writing.as_ref()),
-        lightmap: None,
-    };
+    let ground = view::ground(solution, composite::display(&sum, &display), [width, height]);
+    let shown = view::Shown::new(solution, None)?;
     let mut legends = serde_json::Map::new();
     for view in VIEWS {
-        let Some(scene) = (view.build)(&input) else { continue };
+        let Some(scene) = (view.build)(&shown.input(solution)) else { continue };
         if scene.is_beside_the_scene() {
             continue;
         }
-        let mut pixels = composite::display(&sum, &display);
-        overlay::draw(&mut pixels, &buffer, camera, &scene, &false_colour(&scene));
-        write(&folder.join(format!("view_{}.png", view.id)), width, height, &pixels)?;
+        let page = ground.framed(view.title, &scene, &scene.colours(&ColourSettings::default()));
+        let path = folder.join(format!("view_{}.png", view.id));
+        write(&path, page.width as u32, page.height as u32, &page.pixels)?;
         if let Some(legend) = &scene.legend {
             let range = serde_json::json!({ "title": view.title, "quantity": legend.quantity, "unit": legend.unit, "range": legend.range });
             legends.insert(view.id.into(), range);
@@ -203,18 +178,20 @@ fn looked_at(solution: &LightTransportSolution) -> Option<Surface> {
     Some(solution.world.geometry.surface(hit.triangle, hit.barycentric, towards))
 }
 
-fn point_looked_at(solution: &LightTransportSolution) -> Option<(Vec3, Vec3)> {
+/// The point there, and its normal.
+pub(super) fn point_looked_at(solution: &LightTransportSolution) -> Option<(Vec3, Vec3)> {
     looked_at(solution).map(|s| (s.position, s.normal))
 }
 
-fn element_looked_at(solution: &LightTransportSolution) -> Option<u32> {
+/// The element there.
+pub(super) fn element_looked_at(solution: &LightTransportSolution) -> Option<u32> {
     let surface = looked_at(solution)?;
     Some(solution.radiosity.element_at(surface.triangle, surface.barycentric, surface.back))
 }
 
 /// The volume without the light that comes straight from whatever sends most into the air: the light of
 /// several is their sum, so the mean over all samples and directions says which.
-fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceVolume> {
+pub(super) fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceVolume> {
     let volume = solution.volume.as_ref()?;
     let targets: BTreeSet<_> = solution.world.emitters.list.iter().map(|e| e.target()).collect();
     let without = targets.into_iter().filter_map(|target| {
@@ -222,11 +199,4 @@ fn without_main_emitter(solution: &LightTransportSolution) -> Option<IrradianceV
         Some((Difference::new(volume, &without, Part::Direct).statistics().mean_lx, without))
     });
     without.max_by(|a, b| a.0.total_cmp(&b.0)).map(|w| w.1)
-}
-
-/// Palette over a view's own range.
-pub fn false_colour(scene: &InspectionScene) -> FalseColour {
-    let largest = || scene.sphere_bins.iter().map(|b| luminance(*b)).fold(0.0, f32::max);
-    let range = scene.legend.as_ref().map_or_else(|| [0.0, largest()], |l| l.range);
-    FalseColour::over(range, Default::default())
 }

@@ -1,9 +1,12 @@
-//! `textures`: ways of reconstructing radiosity from few samples, in numbers and pictures.
+//! `textures`: ways of reconstructing radiosity from few samples, in numbers and pictures; of a spot whose light is
+//! known, or of a surface of a scene.
 
 use super::{
+    Common,
     page::{INK, Page},
+    parse_point,
     plot::{Panel, Plot},
-    solve,
+    solve, surface_texture,
 };
 use anyhow::bail;
 use clap::Args;
@@ -16,6 +19,7 @@ use lumenscope_core::{
         image::LinearImage,
     },
     measure::{
+        grid_texture::{Prefilter, StageSettings},
         image::second_difference,
         reconstruction::{REFERENCE_SIDE, Reconstruction, Spot, is_sampling, reconstructions},
     },
@@ -41,6 +45,18 @@ pub struct Options {
     /// Subdivision depths of the chart, 1 to 6: 3, 5, 9, 17, 33 and 65 samples a side; 0 draws none.
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(..=6))]
     depths: u32,
+    /// Scene, one of whose surfaces is looked at instead of the spot, at its three stages against the path tracer.
+    #[arg(long, requires = "at")]
+    scene: Option<PathBuf>,
+    /// A point on or beside that surface, m.
+    #[arg(long, value_parser = parse_point, requires = "scene")]
+    at: Option<Vec3>,
+    /// Texels of the Hermite stage a step between nodes, 1 to 4.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
+    factor: u32,
+    /// Width of the Gaussian prefilter in texels, 1 (none) to 6; as narrow as light needs it by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=6))]
+    prefilter: Option<u32>,
     /// Height of the lamp over the square, in sides of it: the size of the spot.
     #[arg(long, default_value_t = Spot::default().height)]
     height: f32,
@@ -52,7 +68,15 @@ pub struct Options {
 ///
 /// # Errors
 /// One line naming the cause.
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
+    if let (Some(scene), Some(at)) = (&options.scene, options.at) {
+        let settings = StageSettings {
+            factor: options.factor,
+            prefilter: options.prefilter.map_or(Prefilter::Adaptive, Prefilter::Gaussian),
+            ..StageSettings::default()
+        };
+        return surface_texture::run(scene, at, &settings, &options.out, common);
+    }
     if let Some(bad) = options.samples.iter().find(|n| !is_sampling(**n)) {
         bail!("--samples {bad} is not a power of two plus 1 from 3 to 257");
     }

@@ -175,21 +175,28 @@ impl Tour {
                 ..VolumeView::default()
             };
         });
+        self.click("Views");
         self.wait("what the samples are worth", |app| app.session().inspection.is_some() && !app.is_busy())?;
         self.photograph("volume_validity", GRAIN)?;
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
 
-        for id in [
-            "radiosity.elements",
-            "radiosity.irradiance",
-            "irradiance_volume.grid",
-            "irradiance_volume.cell_errors",
-            "irradiance_volume.self_occlusion",
+        let with_slice = Some((1, 0.4));
+        for (id, slice) in [
+            ("radiosity.elements", None),
+            ("radiosity.edges", None),
+            ("radiosity.irradiance", None),
+            ("radiosity.gradient", None),
+            ("irradiance_volume.grid", with_slice),
+            ("irradiance_volume.slice", with_slice),
+            ("irradiance_volume.cell_errors", None),
+            ("irradiance_volume.self_occlusion", None),
         ] {
-            self.view(|view| view.views = vec![id.to_owned()]);
-            self.wait("the view", |app| !app.is_busy())?;
+            self.view(|view| (view.views, view.volume.slice) = (vec![id.to_owned()], slice));
+            self.wait("the view", |app| app.session().inspection.is_some() && !app.is_busy())?;
             self.photograph(&id.replace('.', "_"), GRAIN)?;
         }
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        self.click("Layers");
         self.compare_volumes("Ceiling panel")?;
         self.view(|view| view.views.clear());
         self.view(|view| view.weights = [0.0, 0.0, 1.0, 0.0, 0.0]);
@@ -233,6 +240,8 @@ impl Tour {
         self.photograph("reference", Duration::ZERO)?;
         self.view(|view| view.compare = Compare::Difference);
         self.photograph("difference", GRAIN)?;
+        self.view(|view| view.compare = Compare::Flip);
+        self.photograph("flip", GRAIN)?;
         self.lightmap()?;
         Ok(())
     }
@@ -314,7 +323,7 @@ impl Tour {
         let path = self.folder.join("cornell lightmap.exr");
         exr::write_layers(&path, &[("", &map)], "irradiance, lx")?;
         self.drag("Tall block", Vec3::new(0.07, 0.0, 0.0))?;
-        self.run(Command::Lightmap(LightmapFile { path: path.clone(), white: 1.0 }));
+        self.run(Command::Lightmap(LightmapFile::new(path.clone())));
         self.click("Lightmap");
         self.view(|view| view.views = vec![LIGHTMAPS[1].to_owned()]);
         self.wait("the lightmap", |app| app.session().lightmap.is_some() && !app.is_busy())?;

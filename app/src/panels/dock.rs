@@ -188,7 +188,7 @@ fn layout() -> Tree<Pane> {
         tiles.insert_container(Container::Linear(linear))
     };
     let left = linear(LinearDir::Vertical, &[(scene, 0.5), (layers, 0.5)]);
-    let middle = linear(LinearDir::Vertical, &[(viewport, 0.82), (log, 0.18)]);
+    let middle = linear(LinearDir::Vertical, &[(viewport, 0.86), (log, 0.14)]);
     let right = linear(LinearDir::Vertical, &[(spheres, 0.7), (readout, 0.3)]);
     let root = linear(LinearDir::Horizontal, &[(left, 0.212), (middle, 0.518), (right, 0.27)]);
     Tree::new(egui::Id::unique("dock"), root, tiles)

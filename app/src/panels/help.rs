@@ -9,7 +9,7 @@ const KEYS: [(&str, &str); 19] = [
     ("Ctrl+Z", "Undo"),
     ("Ctrl+Shift+Z, Ctrl+Y", "Redo"),
     ("1 to 5", "Show emitted, direct, indirect, mirror, glossy light alone; again for all"),
-    ("R", "Picture, reference, difference in turn"),
+    ("R", "Picture, reference, difference, FLIP in turn"),
     ("V", "Volume of irradiance spheres on and off"),
     ("F", "Frame the selection, or everything"),
     ("Home", "Frame everything"),

@@ -3,7 +3,7 @@
 use super::{edit_view, section};
 use crate::{
     command::{Command, Dialog},
-    lightmaps::{Fault, JudgedLightmap, LIGHTMAPS, LightmapFile},
+    lightmaps::{JudgedLightmap, LIGHTMAPS, LightmapFile, PATHS},
     session::Session,
     widgets::{
         field::{Field, bulk},
@@ -14,6 +14,7 @@ use egui::{Color32, DragValue, Grid, RichText, Sense, Ui, vec2};
 use lumenscope_core::{
     inspection::Legend,
     math::false_colour::{FalseColour, Palette},
+    radiosity::faults::Fault,
     transport::solution::State as LightState,
 };
 use std::{fmt::Write as _, sync::Arc};
@@ -36,6 +37,12 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         }
         if let Some(file) = &session.lightmap_file {
             white(ui, file, out);
+            let mut traced = file.paths > 0;
+            let hint = format!("Irradiance by the path tracer too, {PATHS} paths a texel: how far the lightmap and our light are from the truth");
+            if ui.checkbox(&mut traced, "path tracer").on_hover_text(hint).changed() {
+                let paths = if traced { PATHS } else { 0 };
+                out.push(Command::Lightmap(LightmapFile { paths, ..file.clone() }));
+            }
         }
     });
     let Some(file) = &session.lightmap_file else {
@@ -72,11 +79,16 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
 }
 
 fn in_scene(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
+    let traced = session.lightmap.as_ref().is_some_and(|l| l.traced.is_some());
+    ui.horizontal_wrapped(|ui| {
         ui.label("In the scene")
             .on_hover_text("Shows it on the surfaces it was baked for; green lines are seams");
         edit_view(&session.document.view, out, |view| {
-            for (id, name) in LIGHTMAPS.into_iter().zip(["the lightmap", "its difference"]) {
+            let names = ["the lightmap", "its difference", "its error", "its faults"];
+            for (id, name) in LIGHTMAPS.into_iter().zip(names) {
+                if id.ends_with("_error") && !traced {
+                    continue;
+                }
                 let mut on = view.shows(id);
                 if ui.checkbox(&mut on, name).changed() {
                     // One covers the other.
@@ -129,7 +141,7 @@ fn bar(ui: &mut Ui, quantity: &str, colours: &FalseColour) {
 fn faults(ui: &mut Ui, judged: &JudgedLightmap) {
     Grid::new("faults").num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
         for fault in Fault::ALL {
-            let (count, of) = judged.count(fault);
+            let (count, of) = judged.report.count(fault);
             let [r, g, b] = fault.colour();
             let (patch, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
             ui.painter().rect_filled(patch, 2.0, Color32::from_rgb(r, g, b));
@@ -146,6 +158,18 @@ fn faults(ui: &mut Ui, judged: &JudgedLightmap) {
         100.0 * judged.errors.percentile_95
     ))
     .on_hover_text("|E − ours| / max(ours, 5 % of its mean) over the texels that a triangle covers");
+    if let Some(traced) = &judged.traced {
+        let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+        ui.label(format!(
+            "to the path tracer: the lightmap median {}, 95th percentile {}; our light {} and {}; its own standard \
+             error {}",
+            percent(traced.of_map.median),
+            percent(traced.of_map.percentile_95),
+            percent(traced.of_ours.median),
+            percent(traced.of_ours.percentile_95),
+            percent(traced.noise)
+        ));
+    }
     if ui.button("Copy the faults").on_hover_text("Copies the numbers, tab-separated").clicked() {
         ui.ctx().copy_text(text(judged));
     }
@@ -155,11 +179,16 @@ fn faults(ui: &mut Ui, judged: &JudgedLightmap) {
 pub fn text(judged: &JudgedLightmap) -> String {
     let mut text = String::new();
     for fault in Fault::ALL {
-        let (count, of) = judged.count(fault);
+        let (count, of) = judged.report.count(fault);
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}\t{count}\t{of}", fault.name());
     }
     let _ = writeln!(text, "median error\t{}\t", judged.errors.median);
     let _ = writeln!(text, "95th percentile of the error\t{}\t", judged.errors.percentile_95);
+    if let Some(traced) = &judged.traced {
+        for (name, errors) in [("lightmap", traced.of_map), ("ours", traced.of_ours)] {
+            let _ = writeln!(text, "median error of {name} to the path tracer\t{}\t", errors.median);
+        }
+    }
     text
 }

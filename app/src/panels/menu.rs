@@ -63,6 +63,7 @@ fn file(ui: &mut Ui, session: &Session, recent: &[PathBuf], out: &mut Vec<Comman
         ("Export picture (PNG)…", Export::Picture),
         ("Export picture with a streamed wall (PNG)…", Export::Wall),
         ("Export layers (EXR)…", Export::Layers),
+        ("Bake a lightmap (EXR)…", Export::Lightmap),
     ] {
         item(ui, label, "", open, Command::Dialog(Dialog::Export(what)), out);
     }
@@ -89,8 +90,9 @@ fn view(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
         (Compare::Picture, "Picture"),
         (Compare::Reference, "Reference (path tracer)"),
         (Compare::Difference, "Difference"),
+        (Compare::Flip, "Noticeable difference (FLIP)"),
     ] {
-        let enabled = compare != Compare::Difference || session.light_paths.is_comparable();
+        let enabled = !compare.is_comparison() || session.light_paths.is_comparable();
         ui.add_enabled_ui(enabled, |ui| {
             if ui.radio(shown.compare == compare, label).clicked() {
                 edit_view(shown, out, |v| v.compare = compare);

@@ -1,5 +1,6 @@
 //! Panels: each shows what it is given and returns commands. [`dock`] lays them out.
 
+pub mod colours;
 pub mod copies;
 pub mod dock;
 pub mod empty;

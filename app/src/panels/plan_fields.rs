@@ -7,7 +7,7 @@ use lumenscope_core::{
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::{IMAGES, MOST_IMAGES, MirrorMethod, MirrorSettings},
     radiosity::{RadiositySettings, lookup::Lookup, surface_map::ElementLayout},
-    scene::file::PlanOverrides,
+    scene::{file::PlanOverrides, lookup::Reconstruction},
     superposition::plan::Component,
 };
 use std::collections::BTreeSet;
@@ -57,6 +57,8 @@ pub fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, sessi
                 1..=1024,
             );
             choice(ui, "Lookup", LOOKUP, &mut over.lookup, Lookup::ALL.map(|l| (l, l.name())));
+            let ways = Reconstruction::ALL.map(|r| (r, r.name()));
+            choice(ui, "Reconstruction", RECONSTRUCTION, &mut over.reconstruction, ways);
         }
         Component::Mirror => {
             count(
@@ -190,6 +192,9 @@ fn ignored(ui: &mut Ui, names: &mut Option<Vec<String>>, session: &Session) {
     ui.end_row();
 }
 
+const RECONSTRUCTION: &str = "What becomes of a grid's nodes before that, in pictures: nothing (stored); the smooth \
+    function through them at twice as many along each axis (hermite); or that, low-passed where it moves nothing by \
+    more than 2 % (filtered)";
 const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between four, or Mitchell and \
                       Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
 const GLOSSY: &str = "How glossy flat surfaces blur what they mirror: by a kernel of its own for every pixel, by \

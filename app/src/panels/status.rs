@@ -139,8 +139,14 @@ fn compare(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             "The path tracer's picture, the ground truth: unbiased, and noisy until it has many samples.",
         ),
         (Compare::Difference, "Difference", "|Y − Y_ref|: absolute difference of luminance, cd/m²."),
+        (
+            Compare::Flip,
+            "FLIP",
+            "What an observer would notice who flips between picture and reference on this display, from 0 to 1 \
+             (Andersson and others, 2020).",
+        ),
     ] {
-        let comparable = compare != Compare::Difference || session.light_paths.is_comparable();
+        let comparable = !compare.is_comparison() || session.light_paths.is_comparable();
         let enabled = session.scene.is_some() && comparable;
         let button = ui
             .add_enabled(enabled, egui::Button::selectable(view.compare == compare, label))

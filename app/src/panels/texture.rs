@@ -17,8 +17,12 @@ use lumenscope_core::{
     math::{
         colour::luminance,
         false_colour::{FalseColour, Palette},
+        image::LinearImage,
     },
-    measure::grid_texture::{GridReference, Prefilter, Stage, StageSettings},
+    measure::{
+        grid_texture::{GridReference, Prefilter, Stage, StageSettings},
+        image::second_difference,
+    },
     radiosity::texture::{display::Filter, prefilter::WIDEST},
 };
 use std::{fmt::Write as _, sync::Arc};
@@ -27,7 +31,7 @@ use std::{fmt::Write as _, sync::Arc};
 const PIXELS: f32 = 192.0;
 
 /// The names of the stages.
-const NAMES: [&str; 3] = ["1 stored", "2 Hermite", "3 prefiltered"];
+pub const NAMES: [&str; 3] = ["1 stored", "2 Hermite", "3 prefiltered"];
 
 /// What the panel keeps between frames: the images of what it shows.
 #[derive(Default)]
@@ -35,9 +39,11 @@ pub struct State {
     of: Option<Arc<GridView>>,
     stages: Vec<Field>,
     differences: Vec<Field>,
+    bends: Vec<Field>,
     reference: Option<Field>,
     light: Option<FalseColour>,
     difference: Option<FalseColour>,
+    bend: Option<FalseColour>,
 }
 
 /// Shows the stages, how they are made, and their numbers.
@@ -93,6 +99,12 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
         });
         bar(ui, "difference to the path tracer", state.difference);
     }
+    ui.horizontal_top(|ui| {
+        for field in &mut state.bends {
+            field.show(ui, width, aspect);
+        }
+    });
+    bar(ui, "second difference, Mach bands", state.bend);
     ui.weak(match pointed {
         None => "Point at a stage to read it.".to_owned(),
         Some((stage, [x, y])) => {
@@ -187,6 +199,15 @@ impl State {
         self.light = Some(light);
         self.stages =
             pictures.iter().zip(NAMES).map(|(p, name)| Field::new(name, p, &light, |_| true)).collect();
+        let bends: Vec<_> = pictures.iter().map(second_difference).collect();
+        let most = bulk(bends.iter().flat_map(|b| b.pixels.iter().copied().filter(|p| p.x != 0.0)));
+        let colours = FalseColour::over([-most, most], Palette::Diverging);
+        self.bend = Some(colours);
+        let bands = |(i, bend): (usize, &LinearImage)| {
+            let value = |k: usize| Some(luminance(bend.pixels[k]));
+            Field::signed(format!("stage {}, bands", i + 1), size, &colours, value)
+        };
+        self.bends = bends.iter().enumerate().map(bands).collect();
         (self.differences, self.reference) = (Vec::new(), None);
         if let Some(traced) = &shown.reference {
             let known = |i: usize| grid.is_judged(i);

@@ -1,18 +1,18 @@
 //! Inspection views: what can be shown inside the scene, and the volume as spheres.
 
-use super::{copies, edit_view, named, section, volumes};
+use super::{colours, copies, edit_view, named, section, volumes};
 use crate::{
     command::Command,
     pipeline::SPHERES,
     session::{Session, VolumeView},
     widgets::beside,
 };
-use egui::{ComboBox, Grid, Slider, Ui};
+use egui::{ComboBox, Grid, RichText, Slider, Ui};
 use lumenscope_core::{
     inspection::InspectionScene,
     irradiance_volume::{inspect::ColourBy, moments::Order},
     math::part::Part,
-    registry::VIEWS,
+    registry::{VIEWS, ViewRow},
 };
 use std::sync::Arc;
 
@@ -36,19 +36,38 @@ pub fn show(
     copies::show(ui, session, out);
     section(ui, "Inside the light", |ui| {
         edit_view(&session.document.view, out, |view| {
-            for row in VIEWS.iter().filter(|r| r.id != SPHERES) {
-                let mut on = view.shows(row.id);
-                if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
-                    view.show(row.id, on);
+            for rows in VIEWS.chunk_by(|a, b| room(a) == room(b)) {
+                ui.label(RichText::new(room(&rows[0])).small().weak());
+                for row in rows.iter().filter(|r| r.id != SPHERES) {
+                    let mut on = view.shows(row.id);
+                    if ui.checkbox(&mut on, row.title).on_hover_text(row.tooltip).changed() {
+                        view.show(row.id, on);
+                    }
                 }
             }
         });
+        edit_view(&session.document.view, out, |view| {
+            section(ui, "Colours of the views", |ui| {
+                colours::edit(ui, &mut view.colours, inspection.map(Arc::as_ref));
+            });
+        });
         let Some(inspection) = inspection else { return };
         for note in &inspection.notes {
-            ui.add(egui::Label::new(egui::RichText::new(note).weak().small()).wrap());
+            ui.add(egui::Label::new(RichText::new(note).weak().small()).wrap());
         }
         beside::show(ui, inspection);
     });
+}
+
+/// What the views of a room are about.
+fn room(row: &ViewRow) -> &'static str {
+    match row.id.split('.').next() {
+        _ if row.id.starts_with("radiosity.lightmap") => "A lightmap",
+        Some("irradiance_volume") => "In the air",
+        Some("mirror") => "Mirrors",
+        Some("glossy") => "Glossy surfaces",
+        _ => "On surfaces",
+    }
 }
 
 fn volume(ui: &mut Ui, v: &mut VolumeView) {

@@ -4,22 +4,27 @@
 //! frames with shadow rays join a running mean, which is shown once its noise has gone down. A coarse
 //! frame may start while another is still under way, so that the first move of the mouse shows at once.
 
-use super::request::{DisplayKey, RenderKey, Request};
-use crate::session::Compare;
+use super::{
+    compared::Compared,
+    request::{DisplayKey, RenderKey, Request},
+};
 use egui::{ColorImage, TextureHandle, TextureOptions};
 use lumenscope_core::{
-    math::{colour::luminance, false_colour::FalseColour, image::LinearImage},
+    math::image::LinearImage,
     superposition::{
         self, PassSettings,
         accumulator::Accumulator,
-        composite::{self, DifferenceDisplay, DirectQuality},
+        composite::{self, DirectQuality},
         gbuffer::GBuffer,
         layers::Layers,
         overlay,
     },
 };
 use std::{
-    sync::mpsc::{Receiver, TryRecvError, channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, TryRecvError, channel},
+    },
     time::Instant,
 };
 
@@ -43,8 +48,8 @@ pub struct CpuPicture {
     pub coarse: bool,
     /// Seconds the last frame took.
     pub seconds: f64,
-    /// Range of the last difference, cd/m².
-    pub difference: Option<FalseColour>,
+    /// How far what is shown is from the reference, where that is what it shows.
+    pub compared: Option<Arc<Compared>>,
     kept: Option<Kept>,
     flights: Vec<Flight>,
     sharp: Option<(RenderKey, DisplayKey)>,
@@ -79,7 +84,7 @@ struct Landed {
     key: RenderKey,
     display: DisplayKey,
     image: ColorImage,
-    difference: Option<FalseColour>,
+    compared: Option<Arc<Compared>>,
     kept: Option<Kept>,
     frames: u32,
     seconds: f64,
@@ -97,7 +102,7 @@ impl CpuPicture {
         let stale = self.shown != wanted && !(same_view && self.frames > 0);
         self.wanted = wanted;
         let coarse_flies = self.flights.iter().any(|f| f.stage == Stage::Coarse);
-        let comparing = request.compare == Compare::Difference;
+        let comparing = request.compare.is_comparison();
         if !coarse_flies && !comparing && stale && (changed || moving || self.texture.is_none()) {
             self.start_unaveraged(ctx, request.clone(), Stage::Coarse);
         } else if self.flights.is_empty() && !moving {
@@ -161,14 +166,14 @@ impl CpuPicture {
         let noisy = shows_wanted
             && stage == Stage::Mean
             && self.frames == 0
-            && landed.difference.is_none()
+            && landed.compared.is_none()
             && landed.frames < FRAMES_TO_SHOW;
         if self.texture.is_some() && (late || worse || noisy) {
             return;
         }
         self.frames = landed.frames;
         self.coarse = stage == Stage::Coarse;
-        self.difference = landed.difference;
+        self.compared = landed.compared;
         self.shown = Some((landed.key, landed.display));
         match &mut self.texture {
             Some(texture) => texture.set(landed.image, TextureOptions::LINEAR),
@@ -186,12 +191,12 @@ impl CpuPicture {
             let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
             let (buffer, layers) = draw(&request, size, &settings);
             let picture = layers.sum(request.weights);
-            let (image, difference) = to_display(&request, &picture, &buffer);
+            let (image, compared) = to_display(&request, &picture, &buffer);
             Landed {
                 key: request.render_key(),
                 display: request.display_key(),
                 image,
-                difference,
+                compared,
                 kept: None,
                 frames: 0,
                 seconds: 0.0,
@@ -228,10 +233,10 @@ impl CpuPicture {
                 }
             };
             let picture = mean.mean().sum(request.weights);
-            let (image, difference) = to_display(&request, &picture, &buffer);
+            let (image, compared) = to_display(&request, &picture, &buffer);
             let frames = mean.frames();
             let kept = Some(Kept { key: key.clone(), mean, buffer });
-            Landed { key, display, image, difference, kept, frames, seconds: 0.0, drew: !redisplay }
+            Landed { key, display, image, compared, kept, frames, seconds: 0.0, drew: !redisplay }
         });
     }
 
@@ -272,21 +277,19 @@ fn settings(request: &Request, frame: u32) -> PassSettings {
     PassSettings { direct, frame, jitter: frame > 0, ..PassSettings::default() }
 }
 
-/// Brings a picture to the display: tone curve or difference, then what the views draw over it.
+/// Brings a picture to the display: tone curve or comparison, then what the views draw over it.
 fn to_display(
     request: &Request,
     picture: &LinearImage,
     buffer: &GBuffer,
-) -> (ColorImage, Option<FalseColour>) {
-    let reference = request
-        .reference
-        .as_ref()
-        .filter(|r| request.compare == Compare::Difference && r.pixels.len() == picture.pixels.len());
-    let (mut bytes, difference) = match reference {
+) -> (ColorImage, Option<Arc<Compared>>) {
+    let reference = request.reference.as_ref().filter(|r| {
+        request.compare.is_comparison() && (r.width, r.height) == (picture.width, picture.height)
+    });
+    let (mut bytes, compared) = match reference {
         Some(reference) => {
-            let colours = difference_colours(picture, reference);
-            let bytes = composite::difference(picture, reference, &DifferenceDisplay::Absolute(colours));
-            (bytes, Some(colours))
+            let (bytes, compared) = Compared::new(picture, reference, &request.display, request.compare);
+            (bytes, Some(Arc::new(compared)))
         }
         None => (composite::display(picture, &request.display), None),
     };
@@ -294,27 +297,5 @@ fn to_display(
         overlay::draw(&mut bytes, buffer, &request.camera, inspection, &request.inspection_colours());
     }
     let size = [picture.width as usize, picture.height as usize];
-    (ColorImage::from_rgba_unmultiplied(size, bytes.as_flattened()), difference)
-}
-
-/// Palette whose bright end is the 98th percentile of the difference, rounded up to 1, 2 or 5.
-fn difference_colours(a: &LinearImage, b: &LinearImage) -> FalseColour {
-    let mut differences: Vec<f32> = a
-        .pixels
-        .iter()
-        .zip(&b.pixels)
-        .step_by((a.pixels.len() / 4096).max(1))
-        .map(|(a, b)| (luminance(*a) - luminance(*b)).abs())
-        .filter(|d| d.is_finite())
-        .collect();
-    differences.sort_by(f32::total_cmp);
-    let high = differences.get(differences.len() * 98 / 100).copied().unwrap_or(1.0).max(1e-3);
-    let magnitude = 10f32.powf(high.log10().floor());
-    let round = [1.0, 2.0, 5.0].map(|m| m * magnitude).into_iter().find(|v| *v >= high);
-    FalseColour {
-        palette: lumenscope_core::math::false_colour::Palette::Inferno,
-        low: 0.0,
-        high: round.unwrap_or(10.0 * magnitude),
-        logarithmic: false,
-    }
+    (ColorImage::from_rgba_unmultiplied(size, bytes.as_flattened()), compared)
 }

@@ -4,6 +4,7 @@
 //! everything that is not light (lamps, handles, axes, read-outs) is painted over it by egui. Nothing
 //! here changes the session: camera, selection and placements leave as commands.
 
+pub mod compared;
 pub mod cpu_picture;
 pub mod drag;
 pub mod gizmo;
@@ -34,7 +35,7 @@ use kernel::PointedKernel;
 use lumenscope_core::{
     glossy::inspect::KernelView,
     inspection::{InspectionScene, Legend},
-    math::{false_colour::FalseColour, image::LinearImage},
+    math::image::LinearImage,
     scene::{Scene, Target, camera::Camera},
     transport::LightTransportSolution,
 };
@@ -137,6 +138,9 @@ impl Viewport {
         let painted = self.paint_picture(ui, &screen, input, &view, moving, &mut out);
         self.paint_marks(&painter, &screen, input, &view);
         self.paint_words(ui, &painter, &screen, input, &view, painted.as_ref());
+        if let Some(compared) = painted.as_ref().and_then(|p| p.compared.as_deref()) {
+            compared.show(ui, &painter, &screen);
+        }
         if input.scene.is_some()
             && let Some(side) = overlay::triad(ui, &painter, &screen, clicked)
         {
@@ -212,7 +216,7 @@ impl Viewport {
         let compare = if input.reference.is_some() { view.compare } else { Compare::Picture };
         let reference = input.reference.filter(|r| r.width > 0 && r.height > 0);
         let size = match (compare, reference) {
-            (Compare::Difference, Some(reference)) => [reference.width, reference.height],
+            (compare, Some(reference)) if compare.is_comparison() => [reference.width, reference.height],
             _ => pixels(ui, screen.rect),
         };
         let request = light.map(|light| Request {
@@ -223,6 +227,7 @@ impl Viewport {
             weights: view.weights,
             display,
             inspection: input.inspection.cloned(),
+            colours: view.colours,
             compare,
             reference: reference.cloned(),
             highlighted: match view.selected {
@@ -257,7 +262,9 @@ impl Viewport {
             let moving = self.interaction.is_dragging();
             overlay::outline(painter, screen, scene.placement(target), low, high, moving);
         }
-        self.kernel.paint(painter, screen, &inspection_colours(None, view));
+        if let Some(scene) = self.kernel.scene() {
+            self.kernel.paint(painter, screen, &scene.colours(&view.colours));
+        }
         overlay::lamps(painter, screen, scene, view.selected, self.interaction.hovered_lamp);
         if let Some(probe) = view.probe {
             overlay::probe(painter, screen, probe);
@@ -289,19 +296,19 @@ impl Viewport {
             overlay::labels(painter, screen, &solution.world, &inspection.labels);
         }
         let mut legends: Vec<(Legend, _)> = Vec::new();
-        if let Some(colours) = painted.and_then(|p| p.difference) {
-            legends.push((luminance_legend("luminance difference", [colours.low, colours.high]), colours));
+        if let Some(compared) = painted.and_then(|p| p.compared.as_deref()) {
+            legends.push((compared.legend(), compared.colours));
         } else if let Some(colours) = view.display.false_colour {
             legends.push((luminance_legend("luminance", [colours.low, colours.high]), colours));
         }
         let shown = [input.inspection.map(Arc::as_ref), self.kernel.scene()];
         for inspection in shown.into_iter().flatten() {
             if let Some(legend) = &inspection.legend {
-                legends.push((legend.clone(), inspection_colours(Some(inspection), view)));
+                legends.push((legend.clone(), inspection.colours(&view.colours)));
             }
         }
         for (i, (legend, colours)) in legends.iter().enumerate() {
-            let size = legend::size();
+            let size = legend::size(legend);
             let corner = screen.rect.right_top() + vec2(-(size.x + 10.0) * (i + 1) as f32, 10.0);
             if screen.rect.height() > size.y + 20.0 {
                 legend::paint(painter, Rect::from_min_size(corner, size), legend, colours, ui.visuals());
@@ -310,12 +317,7 @@ impl Viewport {
     }
 }
 
-/// Palette and range of inspection views where the display has its own palette; from 0 to 1 of none.
-fn inspection_colours(inspection: Option<&InspectionScene>, view: &View) -> FalseColour {
-    let palette = view.display.false_colour.map_or(Default::default(), |f| f.palette);
-    request::inspection_colours(inspection, palette)
-}
-
+/// A legend of luminance or of a difference of it.
 fn luminance_legend(quantity: &str, range: [f32; 2]) -> Legend {
     Legend { quantity: quantity.into(), unit: "cd/m²".into(), range, names: &[] }
 }

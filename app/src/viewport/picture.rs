@@ -1,6 +1,7 @@
 //! The picture in the viewport: who draws it, how it is exposed, what it is compared with.
 
 use super::{
+    compared::Compared,
     cpu_picture::CpuPicture,
     gpu_picture::GpuPicture,
     overlay::Status,
@@ -10,7 +11,7 @@ use crate::session::{Compare, View};
 use egui::{ColorImage, TextureHandle, TextureId, TextureOptions};
 use egui_wgpu::RenderState;
 use lumenscope_core::{
-    math::{false_colour::FalseColour, image::LinearImage},
+    math::image::LinearImage,
     scene::camera::Camera,
     superposition::{
         self, PassSettings,
@@ -43,8 +44,8 @@ pub struct Painted {
     pub aspect: Option<f32>,
     /// What is said about it.
     pub status: Status,
-    /// Palette and range of the difference, cd/m².
-    pub difference: Option<FalseColour>,
+    /// How far it is from the reference, where that is what it shows.
+    pub compared: Option<Arc<Compared>>,
     /// Whether nothing better is on its way.
     pub settled: bool,
 }
@@ -77,10 +78,14 @@ impl Picture {
         }
         let request = request?;
         let mut status = Status {
-            compare: (request.compare == Compare::Difference).then_some("difference to reference"),
+            compare: match request.compare {
+                Compare::Difference => Some("difference to reference"),
+                Compare::Flip => Some("noticeable difference to reference"),
+                Compare::Picture | Compare::Reference => None,
+            },
             ..Status::default()
         };
-        let state = state.filter(|_| request.compare != Compare::Difference);
+        let state = state.filter(|_| !request.compare.is_comparison());
         if let Some(state) = state
             && self.open(state)
             && let Some(gpu) = &mut self.gpu
@@ -97,17 +102,17 @@ impl Picture {
             status.backend.clone_from(&gpu.adapter);
             status.coarse = gpu.frames == 0 && gpu.scale < 0.99;
             let settled = gpu.settled(request);
-            return Some(Painted { texture, aspect: None, status, difference: None, settled });
+            return Some(Painted { texture, aspect: None, status, compared: None, settled });
         }
         let texture = self.cpu.show(ctx, request, moving)?;
         status.frames = (self.cpu.frames, self.cpu.frames_wanted(request));
         status.seconds = self.cpu.seconds;
         status.backend = "processor".into();
         status.coarse = self.cpu.coarse;
-        let aspect = (request.compare == Compare::Difference)
-            .then(|| request.size[0] as f32 / request.size[1].max(1) as f32);
+        let aspect =
+            request.compare.is_comparison().then(|| request.size[0] as f32 / request.size[1].max(1) as f32);
         let settled = self.cpu.settled(request);
-        Some(Painted { texture, aspect, status, difference: self.cpu.difference, settled })
+        Some(Painted { texture, aspect, status, compared: self.cpu.compared.clone(), settled })
     }
 
     fn open(&mut self, state: &RenderState) -> bool {
@@ -160,7 +165,7 @@ impl Picture {
             texture: texture.id(),
             aspect: Some(image.width as f32 / image.height as f32),
             status: Status { compare: Some("reference (path traced)"), ..Status::default() },
-            difference: None,
+            compared: None,
             settled: true,
         })
     }

@@ -2,12 +2,8 @@
 
 use crate::session::Compare;
 use lumenscope_core::{
-    inspection::InspectionScene,
-    math::{
-        colour::luminance,
-        false_colour::{FalseColour, Palette},
-        image::LinearImage,
-    },
+    inspection::{InspectionScene, colours::ColourSettings},
+    math::{false_colour::FalseColour, image::LinearImage},
     scene::camera::Camera,
     superposition::{
         composite::{DirectQuality, Display},
@@ -77,6 +73,8 @@ pub struct Request {
     pub display: Display,
     /// What is drawn over it.
     pub inspection: Option<Arc<InspectionScene>>,
+    /// How its values become colours.
+    pub colours: ColourSettings,
     /// Picture, reference or difference.
     pub compare: Compare,
     /// The reference, for the difference.
@@ -119,7 +117,8 @@ pub struct DisplayKey {
     weights: Weights,
     display: Display,
     inspection: Same<InspectionScene>,
-    difference: bool,
+    colours: ColourSettings,
+    compare: Compare,
     reference: Same<LinearImage>,
     highlighted: Option<u32>,
 }
@@ -141,7 +140,8 @@ impl Request {
             weights: self.weights,
             display: self.display,
             inspection: Same(self.inspection.clone()),
-            difference: self.compare == Compare::Difference,
+            colours: self.colours,
+            compare: self.compare,
             reference: Same(self.reference.clone()),
             highlighted: self.highlighted,
         }
@@ -149,41 +149,14 @@ impl Request {
 
     /// Palette and range of the inspection views, in their legend's unit.
     pub fn inspection_colours(&self) -> FalseColour {
-        let palette = self.display.false_colour.map_or(Palette::default(), |f| f.palette);
-        inspection_colours(self.inspection.as_deref(), palette)
+        match &self.inspection {
+            Some(inspection) => inspection.colours(&self.colours),
+            None => InspectionScene::default().colours(&self.colours),
+        }
     }
 
     /// Frames that are worth taking at rest.
     pub fn frames_wanted(&self) -> u32 {
         FRAMES_AT_REST
     }
-}
-
-/// Palette and range of inspection views, in their legend's unit.
-///
-/// Values that spread over more than a decade around their median, as those beside a lamp do, are
-/// shown by their logarithm, two decades down from the largest.
-pub fn inspection_colours(inspection: Option<&InspectionScene>, palette: Palette) -> FalseColour {
-    let [low, high] = inspection.and_then(|i| i.legend.as_ref()).map_or([0.0, 1.0], |l| l.range);
-    let high = if high > low { high } else { low + 1.0 };
-    let median = inspection.and_then(median);
-    match median {
-        Some(median) if low >= 0.0 && median > 0.0 && high > 20.0 * median => {
-            let bottom = (0.05 * median).max(low).max(1e-4 * high);
-            FalseColour { palette, low: bottom, high, logarithmic: true }
-        }
-        _ => FalseColour::over([low, high], palette),
-    }
-}
-
-/// Median luminance over at most a few thousand of the values shown.
-fn median(inspection: &InspectionScene) -> Option<f32> {
-    let bins = &inspection.sphere_bins;
-    let vertices = inspection.meshes.iter().flat_map(|m| &m.values);
-    let stride = (bins.len() / 2048).max(1);
-    let mut values: Vec<f32> =
-        bins.iter().step_by(stride).chain(vertices.take(2048)).map(|v| luminance(*v)).collect();
-    values.retain(|v| v.is_finite() && *v > 0.0);
-    values.sort_by(f32::total_cmp);
-    values.get(values.len() / 2).copied()
 }

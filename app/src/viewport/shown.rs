@@ -4,6 +4,7 @@ use super::request::{Lit, Same};
 use lumenscope_core::{
     irradiance_volume::dynamic_object::{Detail, Gloss},
     reference::expression::Expression,
+    scene::lookup::Reconstruction,
     transport::LightTransportSolution,
 };
 use std::sync::{
@@ -25,7 +26,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The light of a solution as it is wanted. Bounces take some sweeps, too long for the window's own thread:
+    /// The light of a solution as it is wanted. Bounces and reconstruction take some time, too long for the window's own thread:
     /// until they are there, what was shown last stays.
     pub fn lit(
         &mut self,
@@ -45,19 +46,19 @@ impl Shown {
         if let Some((_, lit)) = self.known.as_ref().filter(|(known, _)| *known == how) {
             return lit.clone();
         }
+        let reconstructed = solution.reconstruction() != Reconstruction::Stored;
         let make = {
             let (solution, bounces) = (solution.clone(), bounces.cloned());
             move || {
                 let of_paths = bounces.and_then(|b| solution.with_paths(&b)).map(|(of_paths, _)| of_paths);
-                let lit = |s: &LightTransportSolution| Arc::new(s.with_gloss(moving.0).with_detail(moving.1));
-                Lit::new(match of_paths {
-                    Some(of_paths) => lit(&of_paths),
-                    None if moving == (None, None) => solution,
-                    None => lit(&solution),
-                })
+                if of_paths.is_none() && moving == (None, None) && !reconstructed {
+                    return Lit::new(solution);
+                }
+                let light = of_paths.unwrap_or_else(|| (*solution).clone());
+                Lit::new(Arc::new(light.with_gloss(moving.0).with_detail(moving.1).reconstructed()))
             }
         };
-        if bounces.is_none() {
+        if bounces.is_none() && !reconstructed {
             let lit = make();
             self.known = Some((how, lit.clone()));
             return lit;

@@ -56,28 +56,37 @@ pub fn paint(
     let text = visuals.text_color();
     painter.rect_filled(rect, 5.0, visuals.panel_fill.gamma_multiply(0.88));
     title(painter, rect.min + vec2(8.0, 6.0), legend, &font, text, false);
+    if !legend.names.is_empty() {
+        return kinds(painter, rect.min + vec2(10.0, 26.0), legend, colours, text);
+    }
     let bar =
         Rect::from_min_max(rect.min + vec2(10.0, 40.0), pos2(rect.min.x + 10.0 + BAR, rect.max.y - 12.0));
     gradient(painter, bar, colours, true);
     painter.rect_stroke(bar, 1.0, outline(visuals), egui::StrokeKind::Outside);
-    for (value, name) in marks(legend, colours) {
+    for value in colours.ticks(6) {
         let y = bar.max.y - colours.position(value) * bar.height();
         painter.hline(bar.max.x..=bar.max.x + 4.0, y, outline(visuals));
-        painter.text(pos2(bar.max.x + 8.0, y), Align2::LEFT_CENTER, name, font.clone(), text);
+        painter.text(pos2(bar.max.x + 8.0, y), Align2::LEFT_CENTER, number::tick(value), font.clone(), text);
     }
 }
 
-/// Values marked on an upright bar, and what stands beside them.
-fn marks(legend: &Legend, colours: &FalseColour) -> Vec<(f32, String)> {
-    if legend.names.is_empty() {
-        return colours.ticks(6).into_iter().map(|value| (value, number::tick(value))).collect();
+/// A patch of colour and a name for each kind.
+fn kinds(painter: &egui::Painter, at: Pos2, legend: &Legend, colours: &FalseColour, ink: Color32) {
+    for (i, name) in legend.names.iter().enumerate() {
+        let [r, g, b] = srgb8(colours.colour(i as f32));
+        let patch = Rect::from_min_size(at + vec2(0.0, 18.0 * i as f32), vec2(BAR, 12.0));
+        painter.rect_filled(patch, 2.0, Color32::from_rgb(r, g, b));
+        let font = FontId::proportional(11.0);
+        painter.text(patch.right_center() + vec2(8.0, 0.0), Align2::LEFT_CENTER, *name, font, ink);
     }
-    legend.names.iter().enumerate().map(|(i, name)| (i as f32, (*name).to_owned())).collect()
 }
 
 /// Size that [`paint`] wants, points.
-pub fn size() -> egui::Vec2 {
-    SIZE
+pub fn size(legend: &Legend) -> egui::Vec2 {
+    match legend.names.len() {
+        0 => SIZE,
+        kinds => vec2(SIZE.x, 32.0 + 18.0 * kinds as f32),
+    }
 }
 
 /// Quantity and unit, on one line or on two.

@@ -9,11 +9,15 @@ use super::{
     targets::Targets,
 };
 use crate::{
-    inspection::InspectionScene,
-    math::{colour::luminance, false_colour::FalseColour},
+    inspection::{ColouredMesh, InspectionScene},
+    math::{
+        colour::srgb8,
+        false_colour::{FalseColour, Palette},
+    },
 };
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
+use rayon::prelude::*;
 
 /// `Sphere` of `shaders/superposition/inspection.wgsl`.
 #[repr(C)]
@@ -43,8 +47,22 @@ pub struct LineInfo {
     pub padding_1: u32,
     /// Linear display colour.
     pub colour: Vec3,
+    /// Share of it in the picture.
+    pub opacity: f32,
+}
+
+/// `MeshCorner` of `shaders/superposition/inspection.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MeshCorner {
+    /// Place, m.
+    pub position: Vec3,
+    /// Share of its colour in the picture.
+    pub opacity: f32,
+    /// Value.
+    pub value: Vec3,
     /// Nothing.
-    pub padding_2: u32,
+    pub padding: u32,
 }
 
 /// `InspectionSettings` of `shaders/superposition/inspection.wgsl`.
@@ -55,8 +73,10 @@ pub struct InspectionSettings {
     pub bins: u32,
     /// Whether the shader encodes sRGB.
     pub encode: u32,
+    /// Whether every channel is scaled by itself.
+    pub natural: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// Buffers and pipelines of the inspection passes.
@@ -66,7 +86,7 @@ pub(super) struct Inspection {
     frame: wgpu::Buffer,
     false_colour: wgpu::Buffer,
     settings: wgpu::Buffer,
-    /// Spheres, bin values, lines, mesh vertices.
+    /// Spheres, colours of bins, lines, mesh corners.
     storage: [Storage; 4],
     spheres: wgpu::RenderPipeline,
     meshes: wgpu::RenderPipeline,
@@ -87,8 +107,10 @@ impl Inspection {
             &[(0, Uniform), (1, Uniform), (2, Uniform), (3, Table), (4, Table), (5, Table), (6, Table)],
         );
         let module = shaders::INSPECTION.module(device);
-        let pipeline =
-            |entries| render_pipeline(device, &module, entries, &[&layout], format, Raster::NEAREST);
+        let pipeline = |entries| {
+            let raster = Raster { blend: true, ..Raster::NEAREST };
+            render_pipeline(device, &module, entries, &[&layout], format, raster)
+        };
         let false_colour = uniform::<FalseColourTable>(device, "inspection colour");
         let settings = uniform::<InspectionSettings>(device, "inspection settings");
         let storage = ["spheres", "bins", "lines", "mesh"].map(|label| Storage::new(device, label));
@@ -123,31 +145,35 @@ impl Inspection {
             .filter(|_| scene.bins.is_some())
             .map(|s| Sphere { centre: s.centre, radius: s.radius, first_bin: s.first_bin, padding: [0; 3] })
             .collect();
-        let values: Vec<f32> = scene.sphere_bins.iter().map(|v| luminance(*v)).collect();
-        let lines: Vec<LineInfo> = scene
-            .lines
-            .iter()
-            .map(|l| LineInfo {
-                a: l.ends[0],
-                b: l.ends[1],
-                colour: l.colour,
-                padding_0: 0,
-                padding_1: 0,
-                padding_2: 0,
-            })
-            .collect();
-        let mesh: Vec<Vec4> = scene
-            .meshes
-            .iter()
-            .flat_map(|m| {
-                m.triangles
-                    .iter()
-                    .flatten()
-                    .map(|&i| m.positions[i as usize].extend(luminance(m.values[i as usize])))
-            })
-            .collect();
+        let encoded = |v: &Vec3| {
+            let [r, g, b] = srgb8(colour.colour_of(*v));
+            u32::from_le_bytes([r, g, b, 255])
+        };
+        let bins: Vec<u32> = scene.sphere_bins.par_iter().map(encoded).collect();
+        let line = |[a, b]: [Vec3; 2], colour, opacity| LineInfo {
+            a,
+            b,
+            colour,
+            opacity,
+            padding_0: 0,
+            padding_1: 0,
+        };
+        let plain = scene.lines.iter().map(|l| line(l.ends, l.colour, 1.0));
+        let valued =
+            scene.value_lines.iter().map(|l| line(l.ends, colour.colour(l.value), 1.0 - l.transparency));
+        let lines: Vec<LineInfo> = plain.chain(valued).collect();
+        let corners = |m: &ColouredMesh| {
+            let corner = |i: &u32| MeshCorner {
+                position: m.positions[*i as usize],
+                opacity: 1.0 - m.transparency,
+                value: m.values[*i as usize],
+                padding: 0,
+            };
+            m.triangles.iter().flatten().map(corner).collect::<Vec<_>>()
+        };
+        let mesh: Vec<MeshCorner> = scene.meshes.iter().flat_map(corners).collect();
         let mut renewed = self.storage[0].write(device, queue, &spheres)?;
-        renewed |= self.storage[1].write(device, queue, &values)?;
+        renewed |= self.storage[1].write(device, queue, &bins)?;
         renewed |= self.storage[2].write(device, queue, &lines)?;
         renewed |= self.storage[3].write(device, queue, &mesh)?;
         if renewed {
@@ -157,7 +183,8 @@ impl Inspection {
         let settings = InspectionSettings {
             bins: scene.bins.map_or(1, |b| b.n()),
             encode: self.encode.into(),
-            padding: [0; 2],
+            natural: (colour.palette == Palette::Natural).into(),
+            padding: 0,
         };
         queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         queue.write_buffer(&self.false_colour, 0, bytemuck::bytes_of(&FalseColourTable::new(colour)));

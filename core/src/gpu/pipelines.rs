@@ -47,11 +47,14 @@ pub(crate) struct Raster {
     pub cull: Option<wgpu::Face>,
     /// Whether colours are written.
     pub colour: bool,
+    /// Whether they are mixed with what is there by their alpha.
+    pub blend: bool,
 }
 
 impl Raster {
     /// The nearest of all faces; depth is largest at the eye.
-    pub const NEAREST: Self = Self { depth: Some(wgpu::CompareFunction::Greater), cull: None, colour: true };
+    pub const NEAREST: Self =
+        Self { depth: Some(wgpu::CompareFunction::Greater), cull: None, colour: true, blend: false };
 }
 
 /// A pipeline that draws triangles without vertex buffers.
@@ -63,6 +66,7 @@ pub(crate) fn render_pipeline(
     format: wgpu::TextureFormat,
     raster: Raster,
 ) -> wgpu::RenderPipeline {
+    let blend = raster.blend.then_some(wgpu::BlendState::ALPHA_BLENDING);
     let writes = if raster.colour { wgpu::ColorWrites::ALL } else { wgpu::ColorWrites::empty() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
@@ -86,7 +90,7 @@ pub(crate) fn render_pipeline(
             module,
             entry_point: Some(fragment),
             compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState { format, blend: None, write_mask: writes })],
+            targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: writes })],
         }),
         multiview_mask: None,
         cache: None,

@@ -1,5 +1,7 @@
 //! What a view shows: pure data in scene units, drawn by the viewport, the CPU overlay and the tests alike.
 
+pub mod colours;
+
 use crate::math::{image::LinearImage, sphere_map::DirectionBins};
 use glam::{Vec2, Vec3};
 
@@ -16,6 +18,8 @@ pub struct InspectionScene {
     pub meshes: Vec<ColouredMesh>,
     /// Lines in the scene.
     pub lines: Vec<Line>,
+    /// Lines whose colour stands for a value.
+    pub value_lines: Vec<ValueLine>,
     /// Words in the scene, drawn by whoever has a font.
     pub labels: Vec<Label>,
     /// Images beside the scene.
@@ -31,7 +35,11 @@ pub struct InspectionScene {
 impl InspectionScene {
     /// Whether nothing of it stands in the scene; images, curves and words may.
     pub fn is_beside_the_scene(&self) -> bool {
-        self.spheres.is_empty() && self.meshes.is_empty() && self.lines.is_empty() && self.labels.is_empty()
+        self.spheres.is_empty()
+            && self.meshes.is_empty()
+            && self.lines.is_empty()
+            && self.value_lines.is_empty()
+            && self.labels.is_empty()
     }
 }
 
@@ -57,6 +65,8 @@ pub struct ColouredMesh {
     pub values: Vec<Vec3>,
     /// Triangles.
     pub triangles: Vec<[u32; 3]>,
+    /// Share of the picture behind that shows through, 0 for none; as the display has it.
+    pub transparency: f32,
 }
 
 /// A line in the scene.
@@ -66,6 +76,17 @@ pub struct Line {
     pub ends: [Vec3; 2],
     /// Display colour, linear RGB in [0, 1].
     pub colour: Vec3,
+}
+
+/// A line in the scene whose colour stands for a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ValueLine {
+    /// Ends, m.
+    pub ends: [Vec3; 2],
+    /// Value, in the legend's unit.
+    pub value: f32,
+    /// Share of the picture behind that shows through, 0 for none; as the display has it.
+    pub transparency: f32,
 }
 
 /// A word in the scene.
@@ -125,6 +146,15 @@ pub fn robust_range(values: impl Iterator<Item = f32>) -> [f32; 2] {
     let high = *values.select_nth_unstable_by(last * 98 / 100, f32::total_cmp).1;
     let (low, most) = values.iter().fold((high, high), |(low, most), &v| (low.min(v), most.max(v)));
     [low, if high > low && most > FAR_ABOVE * high { high } else { most }]
+}
+
+/// Range from the 2nd to the 98th percentile: for values whose few extremes are of no interest. Zeros when there
+/// is no finite value.
+pub fn bulk_range(values: impl Iterator<Item = f32>) -> [f32; 2] {
+    let mut values: Vec<f32> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f32::total_cmp);
+    let Some(last) = values.len().checked_sub(1) else { return [0.0; 2] };
+    [values[last * 2 / 100], values[last * 98 / 100]]
 }
 
 #[cfg(test)]

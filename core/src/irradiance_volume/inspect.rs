@@ -11,11 +11,17 @@ use super::{
     trust::{SampleState, seen},
 };
 use crate::{
-    inspection::{InspectionScene, Legend, Line, SphereGlyph, robust_range},
+    inspection::{InspectionScene, Legend, SphereGlyph, ValueLine, robust_range},
     math::{colour::luminance, part::Part, sphere_map::DirectionBins},
     scene::world::World,
 };
 use glam::{UVec3, Vec3};
+
+/// Size of a valid sample's sphere beside those of others, where validity is shown.
+const VALID_SIZE: f32 = 0.35;
+
+/// Share of the picture that shows through the lines of whole grids.
+const FAINT: f32 = 0.6;
 
 /// What the colour of a sample's sphere stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -127,6 +133,13 @@ pub fn volume_spheres(
             (ColourBy::Error, _) => one(0.0),
         }
     });
+    if view.colour_by == ColourBy::Validity {
+        // Nearly all are valid: as large as the others they would hide them.
+        for sphere in &mut scene.spheres {
+            let state = volume.samples()[sphere.sample as usize].state;
+            sphere.radius *= if state == SampleState::Free { VALID_SIZE } else { 1.0 };
+        }
+    }
     scene.legend = Some(legend_of(volume, view, &scene.sphere_bins));
     scene
 }
@@ -247,28 +260,39 @@ fn nearest_surface(world: &World, position: Vec3) -> f32 {
     if nearest.is_finite() { nearest } else { 0.0 }
 }
 
-/// Edges of the cells of both levels.
-pub fn grid_lines(volume: &IrradianceVolume, first_level: bool, second_level: bool) -> InspectionScene {
-    const FIRST: Vec3 = Vec3::new(0.85, 0.85, 0.85);
-    const SECOND: Vec3 = Vec3::new(0.9, 0.5, 0.1);
+/// Edges of the cells of both levels: those at the plane of the view, or of all of them, fainter, and of the second
+/// level then without what lies inside a cell of the first.
+pub fn grid_lines(volume: &IrradianceVolume, view: &VolumeView) -> InspectionScene {
     let grid = volume.grid();
     let (low, _) = grid.bounds();
     let (size, cell, inner) = (grid.size(), grid.cell_size(), grid.inner());
     let mut scene = InspectionScene::default();
-    if first_level {
-        lattice(&mut scene.lines, low, cell, size, FIRST);
+    let transparency = if view.slice.is_some() { 0.0 } else { FAINT };
+    let mut block = |low: Vec3, cell: Vec3, size: UVec3, level: usize| {
+        let mut add = |ends| scene.value_lines.push(ValueLine { ends, value: level as f32, transparency });
+        match view.slice {
+            None => lattice(low, cell, size, &mut add),
+            Some((axis, at)) => layer(low, cell, size, (usize::from(axis.min(2)), at), &mut add),
+        }
+    };
+    if view.first_level {
+        block(low, cell, size, 0);
     }
-    for (c, _) in grid.second().iter().enumerate().filter(|(_, s)| second_level && **s != NONE) {
+    for (c, _) in grid.second().iter().enumerate().filter(|(_, s)| view.second_level && **s != NONE) {
         let c = c as u32;
         let at = UVec3::new(c % size.x, c / size.x % size.y, c / (size.x * size.y));
-        lattice(
-            &mut scene.lines,
-            low + at.as_vec3() * cell,
-            cell / inner as f32,
-            UVec3::splat(inner),
-            SECOND,
-        );
+        let corner = low + at.as_vec3() * cell;
+        match view.slice {
+            None => block(corner, cell, UVec3::ONE, 1),
+            Some(_) => block(corner, cell / inner as f32, UVec3::splat(inner), 1),
+        }
     }
+    scene.legend = Some(Legend {
+        quantity: "level of the grid".into(),
+        unit: String::new(),
+        range: [0.0, 1.0],
+        names: &["first", "second"],
+    });
     scene.notes.push(format!(
         "first level {} × {} × {} samples, {} second-level grids of {}³, {} samples together",
         size.x + 1,
@@ -351,7 +375,7 @@ fn legend(quantity: Quantity, values: &[Vec3]) -> Legend {
 }
 
 /// Lines along each axis through the corners of a block of cells.
-fn lattice(lines: &mut Vec<Line>, low: Vec3, cell: Vec3, size: UVec3, colour: Vec3) {
+fn lattice(low: Vec3, cell: Vec3, size: UVec3, add: &mut impl FnMut([Vec3; 2])) {
     let high = low + size.as_vec3() * cell;
     for axis in 0..3 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -362,8 +386,27 @@ fn lattice(lines: &mut Vec<Line>, low: Vec3, cell: Vec3, size: UVec3, colour: Ve
                 from[v] += j as f32 * cell[v];
                 let mut to = from;
                 to[axis] = high[axis];
-                lines.push(Line { ends: [from, to], colour });
+                add([from, to]);
             }
+        }
+    }
+}
+
+/// The lines of a block of cells in a plane across an axis, where the plane meets the block.
+fn layer(low: Vec3, cell: Vec3, size: UVec3, (axis, at): (usize, f32), add: &mut impl FnMut([Vec3; 2])) {
+    let high = low + size.as_vec3() * cell;
+    if at < low[axis] || at > high[axis] {
+        return;
+    }
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    for (along, across) in [(u, v), (v, u)] {
+        for i in 0..=size[across] {
+            let mut from = low;
+            from[axis] = at;
+            from[across] += i as f32 * cell[across];
+            let mut to = from;
+            to[along] = high[along];
+            add([from, to]);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::{
     inspect::VolumeView,
 };
 use crate::{
-    inspection::{ColouredMesh, Curve, InspectionScene, Legend},
+    inspection::{ColouredMesh, Curve, InspectionScene, Label, Legend},
     math::{colour::luminance, part::Part},
 };
 use glam::{DVec3, Vec2, Vec3};
@@ -51,6 +51,7 @@ pub fn volume_slice(volume: &IrradianceVolume, view: &VolumeView) -> InspectionS
     let low = mesh.values.iter().fold(f32::INFINITY, |low, v| low.min(luminance(*v)));
     let high = bulk(&mesh.values);
     InspectionScene {
+        labels: numbers(&mesh),
         meshes: vec![mesh],
         legend: Some(Legend {
             quantity: "irradiance, mean over directions".into(),
@@ -70,6 +71,7 @@ pub fn difference_slice(difference: &Difference, view: &VolumeView) -> Inspectio
     let most = bulk(&mesh.values);
     let compared = compared(difference);
     InspectionScene {
+        labels: numbers(&mesh),
         meshes: vec![mesh],
         legend: Some(signed_legend("difference of mean irradiance", most)),
         curves: vec![histogram(&compared)],
@@ -143,6 +145,30 @@ pub(super) fn histogram(compared: &Comparison) -> Curve {
     }
 }
 
+/// Numbers on a slice along its longer edge.
+const NUMBERS: usize = 9;
+
+/// Values at some of a slice's vertices, in lx by luminance.
+fn numbers(mesh: &ColouredMesh) -> Vec<Label> {
+    // Rows of vertices follow each other: the second triangle's first corner is the next vertex.
+    let columns = mesh.triangles.first().map_or(1, |t| t[2] as usize - 1);
+    let rows = mesh.positions.len() / columns.max(1);
+    let every = (columns.max(rows) / NUMBERS).max(1);
+    let mut labels = Vec::new();
+    for y in (every / 2..rows).step_by(every) {
+        for x in (every / 2..columns).step_by(every) {
+            let value = luminance(mesh.values[y * columns + x]);
+            let decimals = usize::from(value.abs() < 10.0);
+            labels.push(Label {
+                position: mesh.positions[y * columns + x],
+                text: format!("{value:.decimals$}"),
+                strong: false,
+            });
+        }
+    }
+    labels
+}
+
 /// A plane across the volume's grid with a value at each vertex.
 fn mesh(volume: &IrradianceVolume, view: &VolumeView, value: impl Fn(Vec3) -> Vec3 + Sync) -> ColouredMesh {
     let (low, high) = volume.grid().bounds();
@@ -171,5 +197,6 @@ fn mesh(volume: &IrradianceVolume, view: &VolumeView, value: impl Fn(Vec3) -> Ve
         values: positions.par_iter().map(|p| value(*p)).collect(),
         triangles: triangles.collect(),
         positions,
+        ..ColouredMesh::default()
     }
 }

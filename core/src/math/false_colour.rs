@@ -1,5 +1,6 @@
 //! False colour: from a quantity to a perceptually even palette, with round numbers for its legend.
 
+use super::colour::{linear_from_srgb, luminance};
 use glam::Vec3;
 
 /// The palettes offered; all but `Turbo` are perceptually even.
@@ -14,7 +15,25 @@ pub enum Palette {
     Turbo,
     /// Blue over white to red: for signed quantities, white at zero.
     Diverging,
+    /// The value's own colour, white at the high end: for light as the eye would see it.
+    Natural,
+    /// [`KINDS`] colours that are told apart, whole numbers from 0 on: for values that are kinds and not amounts.
+    Kinds,
 }
+
+/// Colours of [`Palette::Kinds`]: grey, then those of Okabe and Ito (2008), told apart by colour-blind eyes too.
+pub const KINDS: usize = 8;
+
+const KIND_COLOURS: [[u8; 3]; KINDS] = [
+    [150, 150, 150],
+    [86, 180, 233],
+    [230, 159, 0],
+    [213, 40, 60],
+    [0, 158, 115],
+    [240, 228, 66],
+    [204, 121, 167],
+    [0, 114, 178],
+];
 
 /// A palette stretched over a range, linear or logarithmic.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -50,9 +69,23 @@ impl FalseColour {
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
+    /// For kinds, whole numbers from 0 on.
+    pub fn of_kinds() -> Self {
+        Self { palette: Palette::Kinds, low: 0.0, high: (KINDS - 1) as f32, logarithmic: false }
+    }
+
     /// Linear RGB colour of `value`.
     pub fn colour(&self, value: f32) -> Vec3 {
         self.palette.colour(self.position(value))
+    }
+
+    /// Linear RGB colour of a value of three channels: of its luminance, but for [`Palette::Natural`], which
+    /// scales every channel by itself.
+    pub fn colour_of(&self, value: Vec3) -> Vec3 {
+        match self.palette {
+            Palette::Natural => Vec3::from(value.to_array().map(|channel| self.position(channel))),
+            _ => self.colour(luminance(value)),
+        }
     }
 
     /// At most `count` + 2 round values (1, 2 or 5 times a power of ten) inside the range, for a legend.
@@ -104,19 +137,21 @@ impl Palette {
     pub fn table(self) -> &'static [Vec3; 256] {
         use colorgrad::Gradient;
         use std::sync::OnceLock;
-        static TABLES: [OnceLock<[Vec3; 256]>; 4] =
-            [OnceLock::new(), OnceLock::new(), OnceLock::new(), OnceLock::new()];
+        static TABLES: [OnceLock<[Vec3; 256]>; 6] = [const { OnceLock::new() }; 6];
         TABLES[self as usize].get_or_init(|| {
+            let encoded = |c: colorgrad::Color| Vec3::new(c.r, c.g, c.b).map(linear_from_srgb);
             let at = |t: f32| match self {
-                Self::Viridis => colorgrad::preset::viridis().at(t),
-                Self::Inferno => colorgrad::preset::inferno().at(t),
-                Self::Turbo => colorgrad::preset::turbo().at(t),
-                Self::Diverging => colorgrad::preset::rd_bu().at(1.0 - t),
+                Self::Viridis => encoded(colorgrad::preset::viridis().at(t)),
+                Self::Inferno => encoded(colorgrad::preset::inferno().at(t)),
+                Self::Turbo => encoded(colorgrad::preset::turbo().at(t)),
+                Self::Diverging => encoded(colorgrad::preset::rd_bu().at(1.0 - t)),
+                Self::Natural => Vec3::splat(t),
+                Self::Kinds => {
+                    let kind = KIND_COLOURS[(t * (KINDS - 1) as f32).round() as usize];
+                    Vec3::from(kind.map(|c| linear_from_srgb(f32::from(c) / 255.0)))
+                }
             };
-            std::array::from_fn(|i| {
-                let c = at(i as f32 / 255.0);
-                Vec3::new(c.r, c.g, c.b).map(super::colour::linear_from_srgb)
-            })
+            std::array::from_fn(|i| at(i as f32 / 255.0))
         })
     }
 }

@@ -2,6 +2,15 @@
 
 use glam::{Vec2, Vec3};
 
+/// Bilinear value at a place among texels that lie at whole numbers.
+pub fn bilinear(place: Vec2, texel: impl Fn(i32, i32) -> Vec3) -> Vec3 {
+    let base = place.floor();
+    let f = place - base;
+    let (x, y) = (base.x as i32, base.y as i32);
+    let row = |y: i32| texel(x, y).lerp(texel(x + 1, y), f.x);
+    row(y).lerp(row(y + 1), f.y)
+}
+
 /// A linear RGB image, row-major from the top left; the unit is the owner's (cd/m², lx, reflectance).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinearImage {
@@ -51,14 +60,8 @@ impl LinearImage {
     pub fn sample_repeat(&self, uv: Vec2) -> Vec3 {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let p = (uv - uv.floor()) * size - Vec2::splat(0.5);
-        let base = p.floor();
-        let f = p - base;
-        let wrap = |v: f32, n: u32| (v as i64).rem_euclid(n.max(1) as i64) as u32;
-        let (x0, y0) = (wrap(base.x, self.width), wrap(base.y, self.height));
-        let (x1, y1) = (wrap(base.x + 1.0, self.width), wrap(base.y + 1.0, self.height));
-        let top = self.at(x0, y0).lerp(self.at(x1, y0), f.x);
-        let bottom = self.at(x0, y1).lerp(self.at(x1, y1), f.x);
-        top.lerp(bottom, f.y)
+        let wrap = |v: i32, n: u32| v.rem_euclid(n.max(1) as i32) as u32;
+        bilinear(p, |x, y| self.at(wrap(x, self.width), wrap(y, self.height)))
     }
 
     /// Mean over all pixels, summed in `f64`; zero for an empty image.

@@ -4,7 +4,11 @@
 //! centre. It is continuous everywhere, across the equator too, and differs from the bins by what the
 //! light changes within one: a bin as bright as a lamp becomes a tent.
 
-use super::{colour::luminance, image::LinearImage, sphere_map::DirectionBins};
+use super::{
+    colour::luminance,
+    image::{LinearImage, bilinear},
+    sphere_map::DirectionBins,
+};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -27,19 +31,13 @@ impl SphereValues<'_> {
     pub fn smooth(&self, direction: Vec3) -> Vec3 {
         let n = self.bins.n() as i32;
         let (square, lower) = self.bins.square(direction);
-        let p = square * n as f32 - Vec2::splat(0.5);
-        let base = p.floor();
-        let f = p - base;
         let value = |x: i32, y: i32| {
             let outside = (x < 0 || x >= n) != (y < 0 || y >= n);
             let cell = y.clamp(0, n - 1) * n + x.clamp(0, n - 1);
             let bin = cell + if lower != outside { n * n } else { 0 };
             self.values.get(bin as usize).copied().unwrap_or(Vec3::ZERO)
         };
-        let (x, y) = (base.x as i32, base.y as i32);
-        let top = value(x, y).lerp(value(x + 1, y), f.x);
-        let bottom = value(x, y + 1).lerp(value(x + 1, y + 1), f.x);
-        top.lerp(bottom, f.y)
+        bilinear(square * n as f32 - Vec2::splat(0.5), value)
     }
 
     /// Value by bin or smooth.

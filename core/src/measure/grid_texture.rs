@@ -22,10 +22,10 @@ use crate::{
     },
     radiosity::{
         RadiositySolution,
+        reconstruct::{lattice, resampled, smooth},
         surface_map::{Chart, INTERPOLATED, OUTSIDE},
         texture::{
-            Border, RadiosityTexture, Shape,
-            convert::Gaps,
+            RadiosityTexture,
             display::Filter,
             hermite::HermiteSurface,
             prefilter::{WIDEST, adaptive, gaussian},
@@ -103,10 +103,12 @@ pub struct GridTexture {
     pub size_m: Vec2,
     /// Columns and rows of points judged.
     pub points: [u32; 2],
-    stored: RadiosityTexture,
+    pub(super) stored: RadiosityTexture,
+    /// Whether each node is interpolated by the solver and not solved, row by row.
+    pub(super) open: Vec<bool>,
     surface: HermiteSurface,
     /// Share of the smooth function's square that the grid takes.
-    window: Vec2,
+    pub(super) window: Vec2,
     receivers: Vec<Option<Receiver>>,
 }
 
@@ -130,7 +132,15 @@ impl GridTexture {
         let image = LinearImage::from_fn(nx, ny, light);
         let judged = |n: u32| (2 * (n - 1)).clamp(POINTS[0], POINTS[1]);
         let points = [judged(nx), judged(ny)];
-        let (surface, window) = smooth(solution, number as usize, &seen, &light);
+        let mut root = solution.transport().map.trees[number as usize].as_ref().map_or([1, 1], |t| t.root);
+        if seen.turned {
+            root.reverse();
+        }
+        let open = |x: u32, y: u32| {
+            let element = &solution.elements()[seen.element(x, y)];
+            element.flags & INTERPOLATED != 0 && !(x.is_multiple_of(root[0]) && y.is_multiple_of(root[1]))
+        };
+        let (surface, window) = smooth(seen.nodes, &open, &light);
         Some(Self {
             chart: number,
             nodes: [nx, ny],
@@ -140,6 +150,7 @@ impl GridTexture {
             ),
             points,
             stored: lattice(image),
+            open: (0..nx * ny).map(|i| open(i % nx, i / nx)).collect(),
             surface,
             window,
             receivers: receivers(solution, &seen, points),
@@ -149,11 +160,7 @@ impl GridTexture {
     /// The three stages.
     pub fn stages(&self, settings: &StageSettings) -> [Stage; 3] {
         let factor = settings.factor.clamp(1, 4);
-        let [w, h] = self.nodes.map(|n| (n - 1) * factor + 1);
-        let last = Vec2::new((w - 1) as f32, (h - 1) as f32);
-        let smooth = lattice(LinearImage::from_fn(w, h, |x, y| {
-            self.surface.at(Vec2::new(x as f32, y as f32) / last * self.window)
-        }));
+        let smooth = resampled(&self.surface, self.window, self.nodes.map(|n| (n - 1) * factor + 1));
         let filtered = match settings.prefilter {
             Prefilter::Gaussian(width) => gaussian(&smooth, width.clamp(1, WIDEST)),
             Prefilter::Adaptive => adaptive(&smooth, super::reconstruction::ADAPTIVE_TOLERANCE),
@@ -283,47 +290,6 @@ impl Seen {
     fn element(&self, x: u32, y: u32) -> usize {
         (self.first + self.strides[0] * i64::from(x) + self.strides[1] * i64::from(y)) as usize
     }
-}
-
-/// A texture whose outermost texels lie on the border, as wide as it is high or not.
-fn lattice(image: LinearImage) -> RadiosityTexture {
-    let step = Vec2::new((image.width - 1) as f32, (image.height - 1) as f32).recip();
-    RadiosityTexture { image, first: Vec2::ZERO, step, border: Border::Clamp }
-}
-
-/// The smooth function through the nodes of a grid, over the least square of a tree's level that holds them, and
-/// the share of it that they take. Beyond the grid the nodes are turned over its border, so that slopes there
-/// are the grid's own.
-fn smooth(
-    solution: &RadiositySolution,
-    number: usize,
-    seen: &Seen,
-    light: &impl Fn(u32, u32) -> Vec3,
-) -> (HermiteSurface, Vec2) {
-    let [nx, ny] = seen.nodes;
-    let cells = (nx.max(ny) - 1).next_power_of_two();
-    let side = cells + 1;
-    let mut root = solution.transport().map.trees[number].as_ref().map_or([1, 1], |t| t.root);
-    if seen.turned {
-        root.reverse();
-    }
-    let open = |x: u32, y: u32| {
-        let element = &solution.elements()[seen.element(x, y)];
-        element.flags & INTERPOLATED != 0 && !(x.is_multiple_of(root[0]) && y.is_multiple_of(root[1]))
-    };
-    // Where a node beyond the border is turned over to: the border, and what lies as far inside.
-    let turned = |i: u32, n: u32| if i < n { (i, i) } else { (n - 1, (2 * (n - 1)).saturating_sub(i)) };
-    let texels = (0..side * side).map(|i| {
-        let (x, y) = (i % side, i / side);
-        let ((bx, ix), (by, iy)) = (turned(x, nx), turned(y, ny));
-        if (x, y) == (ix, iy) {
-            return (!open(x, y)).then(|| light(x, y));
-        }
-        Some((2.0 * light(bx, by) - light(ix, iy)).max(Vec3::ZERO))
-    });
-    let samples = Gaps { side, texels: texels.collect() };
-    let window = Vec2::new((nx - 1) as f32, (ny - 1) as f32) / cells as f32;
-    (HermiteSurface::new(Shape::Quadrilateral, &samples), window)
 }
 
 fn receivers(solution: &RadiositySolution, seen: &Seen, [w, h]: [u32; 2]) -> Vec<Option<Receiver>> {

@@ -4,11 +4,14 @@
 //! the perceptual difference weigh what is seen, signed ones tell bias from noise.
 
 pub mod chart;
+pub mod grid_orders;
 pub mod grid_texture;
 pub mod image;
 pub mod irradiance;
 pub mod leak;
+pub mod lightmap;
 pub mod perceptual;
+pub mod picture;
 pub mod reconstruction;
 pub mod significance;
 pub mod sweep;

@@ -22,8 +22,8 @@ use std::time::Instant;
 /// Points a side of the picture that is judged.
 pub const REFERENCE_SIDE: u32 = 513;
 
-/// How far the adaptive prefilter may move a texel, as a share of it.
-pub const ADAPTIVE_TOLERANCE: f32 = 0.02;
+/// How far the adaptive prefilter may move a texel, as a share of it: as in pictures.
+pub const ADAPTIVE_TOLERANCE: f32 = crate::radiosity::reconstruct::TOLERANCE;
 
 /// Irradiance of the unit square under an isotropic point lamp: E = E₀ (h² / (h² + d²))^{3/2}, which is
 /// I cos θ / r² with E₀ = I / h².

@@ -5,7 +5,10 @@
 //! skyline or bin tree: charts of one scene are alike in height once sorted, and shelves waste little.
 
 use super::{RadiositySolution, lookup::SideMap};
-use crate::math::{image::LinearImage, part::Part};
+use crate::math::{
+    image::{LinearImage, bilinear},
+    part::Part,
+};
 use glam::{UVec2, Vec2, Vec3};
 
 /// Where rectangles lie in one image.
@@ -83,10 +86,5 @@ pub fn bake(solution: &RadiositySolution, part: Part, padding: u32) -> (LinearIm
 pub fn lookup(image: &LinearImage, uv: Vec2) -> Vec3 {
     let size = Vec2::new(image.width as f32, image.height as f32);
     let p = (uv * size - Vec2::splat(0.5)).clamp(Vec2::ZERO, size - Vec2::ONE);
-    let base = p.floor().min((size - Vec2::splat(2.0)).max(Vec2::ZERO));
-    let f = p - base;
-    let (x, y) = (base.x as u32, base.y as u32);
-    let (x1, y1) = ((x + 1).min(image.width - 1), (y + 1).min(image.height - 1));
-    let top = image.at(x, y).lerp(image.at(x1, y), f.x);
-    top.lerp(image.at(x, y1).lerp(image.at(x1, y1), f.x), f.y)
+    bilinear(p, |x, y| image.at((x as u32).min(image.width - 1), (y as u32).min(image.height - 1)))
 }

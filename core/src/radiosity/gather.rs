@@ -252,6 +252,11 @@ impl Transport {
             .collect()
     }
 
+    /// Elements to be looked up and not to be lit: nothing is known of what they see.
+    pub(super) fn to_be_shown(map: SurfaceMap) -> Self {
+        Self { map, ..Self::default() }
+    }
+
     /// Hits of one element.
     pub fn row(&self, element: u32) -> &[u32] {
         &self.hits[self.rows[element as usize].clone()]

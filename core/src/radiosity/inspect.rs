@@ -1,8 +1,8 @@
-//! Views of a radiosity solution: its elements as lines, its light as colours, its figures as text.
+//! Views of a radiosity solution: its light as colours, its figures as text.
 
 use super::{RadiositySolution, lookup::SideMap, surface_map::UNSOLVED};
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Legend, Line, robust_range},
+    inspection::{ColouredMesh, InspectionScene, Legend, bulk_range, robust_range},
     math::{colour::luminance, part::Part},
     scene::world::World,
 };
@@ -10,31 +10,6 @@ use glam::Vec3;
 
 /// How far lines and colours stand off the surface, in element spacings.
 pub(super) const LIFT_SPACINGS: f32 = 0.02;
-
-/// The grids of elements as lines, cut to their nodes; unsolved nodes are left out.
-pub fn wireframe(solution: &RadiositySolution) -> InspectionScene {
-    let (elements, map) = (solution.elements(), &solution.transport().map);
-    let lift = LIFT_SPACINGS * map.spacing_m;
-    let mut view = InspectionScene { notes: statistics(solution), ..InspectionScene::default() };
-    for chart in &map.charts {
-        let node = |x: u32, y: u32| {
-            let e = &elements[(chart.first_element + y * chart.nx + x) as usize];
-            e.is_shown().then(|| e.position + e.normal * lift)
-        };
-        for y in 0..chart.ny {
-            for x in 0..chart.nx {
-                let along_u = (x + 1 < chart.nx).then(|| [node(x, y), node(x + 1, y)]);
-                let along_v = (y + 1 < chart.ny).then(|| [node(x, y), node(x, y + 1)]);
-                for ends in [along_u, along_v].into_iter().flatten() {
-                    if let [Some(a), Some(b)] = ends {
-                        view.lines.push(Line { ends: [a, b], colour: Vec3::new(0.1, 0.6, 0.9) });
-                    }
-                }
-            }
-        }
-    }
-    view
-}
 
 /// Irradiance as the elements carry it, lx: grids as quadrilaterals between nodes, vertex elements as triangles.
 pub fn irradiance(solution: &RadiositySolution, world: &World, part: Part) -> InspectionScene {
@@ -48,7 +23,12 @@ pub fn irradiance(solution: &RadiositySolution, world: &World, part: Part) -> In
 
 /// How much one more sweep would change each element's indirect irradiance, lx.
 pub fn residual(solution: &RadiositySolution, world: &World) -> InspectionScene {
-    coloured(solution, world, &solution.residual(), "residual irradiance", "lx")
+    let residual = solution.residual();
+    let mut view = coloured(solution, world, &residual, "residual irradiance", "lx");
+    if let Some(legend) = &mut view.legend {
+        legend.range = [0.0, bulk_range(residual.iter().map(|r| luminance(*r)))[1]];
+    }
+    view
 }
 
 /// Figures of a solution, with units.
@@ -88,7 +68,7 @@ pub(super) fn coloured(
     let mut mesh = ColouredMesh {
         positions: elements.iter().map(|e| e.position + e.geometric_normal * lift).collect(),
         values: values.to_vec(),
-        triangles: Vec::new(),
+        ..ColouredMesh::default()
     };
     for chart in &map.charts {
         for y in 1..chart.ny {

@@ -1,12 +1,13 @@
 //! A lightmap on the surfaces it was baked for.
 
 use super::{
+    faults::{Fault, KINDS},
     inspect::LIFT_SPACINGS,
-    lightmap::{JudgedTexel, LightmapReport},
+    lightmap::{JudgedTexel, LightmapReport, Seam},
     texels::dilate,
 };
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Legend, Line, robust_range},
+    inspection::{ColouredMesh, InspectionScene, Legend, Line, ValueLine, robust_range},
     math::colour::luminance,
     scene::world::World,
 };
@@ -18,7 +19,7 @@ const MOST_VERTICES: f32 = 3e5;
 const MOST_PIECES: f32 = 128.0;
 
 /// Colour of an edge that is a seam.
-const SEAM: Vec3 = Vec3::new(0.05, 0.7, 0.1);
+const SEAM_INK: Vec3 = Vec3::new(0.05, 0.7, 0.1);
 
 /// What is shown of the texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,19 +28,22 @@ pub enum Shown {
     Light,
     /// The lightmap less our light, by luminance.
     Difference,
+    /// The lightmap less what the path tracer finds, by luminance; black where it was not asked.
+    Error,
 }
 
 /// The lightmap of a report on the scene, in lx: triangles cut about as finely as the texels lie, bilinear
 /// between covered texels; the edges that are seams as lines. For reports on the geometry's own coordinates.
 pub fn on_surfaces(report: &LightmapReport, world: &World, spacing_m: f32, shown: Shown) -> InspectionScene {
-    let value = |t: &JudgedTexel| match shown {
+    let value = |i: usize, t: &JudgedTexel| match shown {
         Shown::Light => t.found,
         Shown::Difference => Vec3::splat(luminance(t.found - t.ours)),
+        Shown::Error => Vec3::splat(report.traced.get(i).map_or(0.0, |e| luminance(t.found - *e))),
     };
     let [width, height] = report.size;
     let mut texels = vec![None; (width * height) as usize];
-    for t in &report.texels {
-        texels[(t.at[1] * width + t.at[0]) as usize] = Some(value(t));
+    for (i, t) in report.texels.iter().enumerate() {
+        texels[(t.at[1] * width + t.at[0]) as usize] = Some(value(i, t));
     }
     dilate(&mut texels, report.size, 1);
     let lift = LIFT_SPACINGS * spacing_m;
@@ -82,12 +86,51 @@ pub fn on_surfaces(report: &LightmapReport, world: &World, spacing_m: f32, shown
             ("lightmap", [0.0, high])
         }
         Shown::Difference => ("lightmap − ours", report.difference_range()),
+        Shown::Error => ("lightmap − path tracer", report.difference_range()),
     };
     InspectionScene {
         meshes: vec![mesh],
-        lines: report.seams.iter().map(|s| Line { ends: s.ends, colour: SEAM }).collect(),
+        lines: report.seams.iter().map(|s| Line { ends: s.ends, colour: SEAM_INK }).collect(),
         legend: Some(Legend { quantity: quantity.into(), unit: "lx".into(), range, names: &[] }),
         notes: vec![format!("{} texels, {} seams", report.texels.len(), report.seams.len())],
+        ..InspectionScene::default()
+    }
+}
+
+/// The texels that something is wrong with as squares on their surfaces, coloured by fault, and the edges that are
+/// seams.
+pub fn faults(report: &LightmapReport, world: &World) -> InspectionScene {
+    let sizes = report.texel_sizes(&world.geometry);
+    let found = report.faults(&world.geometry);
+    let mut mesh = ColouredMesh { transparency: 0.15, ..ColouredMesh::default() };
+    for texel in &report.texels {
+        let Some(fault) = found[(texel.at[1] * report.size[0] + texel.at[0]) as usize] else { continue };
+        let normal = world.geometry.area_normal(texel.triangle).normalize_or(Vec3::Y);
+        let (u, v) = normal.any_orthonormal_pair();
+        let half = 0.5 * sizes.get(&texel.triangle).copied().unwrap_or(0.0);
+        let middle = texel.position + normal * (2.0 * LIFT_SPACINGS * half);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([u + v, v - u, -u - v, u - v].map(|c| middle + c * half));
+        mesh.values.extend([Vec3::splat(fault.kind() as f32); 4]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    let seam = Fault::Seam.kind() as f32;
+    let line = |s: &Seam| ValueLine { ends: s.ends, value: seam, transparency: 0.0 };
+    InspectionScene {
+        meshes: vec![mesh],
+        value_lines: report.seams.iter().map(line).collect(),
+        legend: Some(Legend {
+            quantity: "faults of the lightmap".into(),
+            unit: String::new(),
+            range: [0.0, (KINDS.len() - 1) as f32],
+            names: &KINDS,
+        }),
+        notes: Fault::ALL
+            .into_iter()
+            .map(|f| (f, report.count(f)))
+            .filter(|(_, (count, _))| *count > 0)
+            .map(|(f, (count, of))| format!("{}: {count} {of}", f.name()))
+            .collect(),
         ..InspectionScene::default()
     }
 }

@@ -8,7 +8,12 @@
 //!
 //! Limits: fronts only; a texel whose middle no triangle covers is padding and not judged.
 
-use super::{RadiositySolution, atlas::lookup, texels::Coverage};
+use super::{
+    RadiositySolution,
+    atlas::lookup,
+    shared_edges::{SharedEdge, shared_edges},
+    texels::Coverage,
+};
 use crate::{
     math::{
         colour::luminance,
@@ -18,7 +23,6 @@ use crate::{
     scene::world::World,
 };
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
 
 /// Share of the mean irradiance that counts as dark.
 const DARK_SHARE: f32 = 0.02;
@@ -56,6 +60,8 @@ pub struct JudgedTexel {
     pub at: [u32; 2],
     /// Triangle that covers it.
     pub triangle: u32,
+    /// Barycentric weights of corners 1 and 2.
+    pub barycentric: Vec2,
     /// Where it lies, m.
     pub position: Vec3,
     /// The lightmap's irradiance, lx; 0 where that is not a finite number.
@@ -88,7 +94,7 @@ pub struct LightmapReport {
     pub stretched: Vec<u32>,
     /// Triangles with less than half or more than twice the median of texels a metre.
     pub uneven: Vec<u32>,
-    /// Edges between coplanar triangles across which the lightmap jumps by more than 10 %.
+    /// Edges across which a flat or smooth surface goes on and the lightmap jumps by more than 10 %.
     pub seams: Vec<Seam>,
     /// Indices into `texels`: infinite or not a number in the lightmap.
     pub not_finite: Vec<usize>,
@@ -96,6 +102,8 @@ pub struct LightmapReport {
     pub dark: Vec<usize>,
     /// Indices into `texels`: dark in ours, lit in the lightmap.
     pub leaks: Vec<usize>,
+    /// What the path tracer finds at each of `texels`, lx; empty where it was not asked.
+    pub traced: Vec<Vec3>,
 }
 
 impl LightmapReport {
@@ -129,7 +137,8 @@ pub fn judge(
     let light = coverage.light(world, solution, progress)?;
     let texels = coverage.texels.iter().zip(light).map(|(texel, (position, ours))| {
         let found = image.at(texel.at[0], texel.at[1]);
-        JudgedTexel { at: texel.at, triangle: texel.triangle, position, found, ours }
+        let (triangle, barycentric) = (texel.triangle, texel.barycentric);
+        JudgedTexel { at: texel.at, triangle, barycentric, position, found, ours }
     });
     let mut report = LightmapReport {
         size,
@@ -173,37 +182,19 @@ fn density([least, most]: [f32; 2]) -> f32 {
     (least * most).sqrt()
 }
 
-/// Edges that two coplanar triangles share and whose light differs, by what each side's coordinates give.
+/// Edges across which a smooth surface goes on and whose light differs, by what each side's coordinates give.
 fn seams(world: &World, image: &LinearImage, uvs: &[Option<[Vec2; 3]>]) -> Vec<Seam> {
-    type Key = [[i64; 3]; 2];
-    let (low, high) = world.geometry.bounds();
-    let weld = (high - low).length().max(f32::MIN_POSITIVE) * 1e-6;
-    let key = |p: Vec3| (p / weld).round().to_array().map(|x| x as i64);
-    let mut edges: BTreeMap<Key, Vec<(u32, [Vec2; 2])>> = BTreeMap::new();
-    for (t, uvs) in uvs.iter().enumerate() {
-        let Some(uvs) = uvs else { continue };
-        let positions = world.geometry.positions[t];
-        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-            let (a, b) = (key(positions[i]), key(positions[j]));
-            let (k, ends) = if a < b { ([a, b], [uvs[i], uvs[j]]) } else { ([b, a], [uvs[j], uvs[i]]) };
-            edges.entry(k).or_default().push((t as u32, ends));
-        }
-    }
-    let mut found = Vec::new();
-    for (key, sides) in edges {
-        let [(s, one), (t, other)] = sides[..] else { continue };
-        let [m, n] = [s, t].map(|t| world.geometry.area_normal(t).normalize_or_zero());
-        if m.dot(n) < 0.999 {
-            continue;
-        }
+    let seam = |edge: SharedEdge| {
+        let ends = |side: usize| {
+            let corners = uvs[edge.triangles[side] as usize]?;
+            Some(edge.corners[side].map(|c| corners[c]))
+        };
+        let (one, other) = (ends(0)?, ends(1)?);
         let jump = |share: f32| {
             let [a, b] = [one, other].map(|e| luminance(lookup(image, e[0].lerp(e[1], share))));
             (a - b).abs() > SEAM * a.max(b)
         };
-        if [0.25, 0.5, 0.75].into_iter().any(jump) {
-            let ends = key.map(|p| Vec3::from(p.map(|x| x as f32 * weld)));
-            found.push(Seam { ends, triangles: [s, t] });
-        }
-    }
-    found
+        [0.25, 0.5, 0.75].into_iter().any(jump).then_some(Seam { ends: edge.ends, triangles: edge.triangles })
+    };
+    shared_edges(&world.geometry).into_iter().filter_map(seam).collect()
 }

@@ -4,7 +4,7 @@ use super::{
     MeasuringPlane,
     camera::Camera,
     glossy::GlossyMethod,
-    lookup::Lookup,
+    lookup::{Lookup, Reconstruction},
     mirrors::MirrorMethod,
     volume::{Basis, Repair},
 };
@@ -130,6 +130,8 @@ pub struct PlanOverrides {
     pub shadow_rays: Option<u32>,
     /// How pictures look up what is stored on surfaces.
     pub lookup: Option<Lookup>,
+    /// What becomes of it before.
+    pub reconstruction: Option<Reconstruction>,
     /// Shadow rays an area emitter and pixel of pictures written to files.
     pub direct_samples: Option<u32>,
     /// Mirrors that light is followed through on its way to the eye; 0 shows none.

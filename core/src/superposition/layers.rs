@@ -1,4 +1,11 @@
 //! Layers: one linear radiance image a term; weighted, they sum to the picture.
+//!
+//! The terms are those of Bastos 1999, Eq. 4.5, L_D E + L_S E + L(D|S)*D E + L(D|S)*S E, where the subscripts
+//! tell lights that shine alike in all directions (D) from others (S). What is seen of a light here is always
+//! L_D E, [`Layer::Emitted`]: an emissive surface has one radiance for all directions, and the lamps that have a
+//! direction, spots and parallel light, have no surface to be seen. So L_S E is zero, and needs no layer. The third
+//! term is split at its first reflection into [`Layer::Direct`] and [`Layer::Indirect`], the fourth by the width of
+//! the last lobe into [`Layer::Mirror`] and [`Layer::Glossy`].
 
 use crate::math::image::LinearImage;
 

@@ -5,12 +5,8 @@
 
 use super::gbuffer::{GBuffer, pixel_direction};
 use crate::{
-    inspection::{ColouredMesh, InspectionScene, Line, SphereGlyph},
-    math::{
-        colour::{luminance, srgb8},
-        false_colour::FalseColour,
-        sphere_map::DirectionBins,
-    },
+    inspection::{ColouredMesh, InspectionScene, SphereGlyph},
+    math::{colour::srgb8, false_colour::FalseColour, sphere_map::DirectionBins},
     scene::{
         accel::{Ray, barycentric},
         camera::Camera,
@@ -49,7 +45,10 @@ pub fn draw(
         canvas.mesh(mesh, colour);
     }
     for line in &scene.lines {
-        canvas.line(line);
+        canvas.line(line.ends, line.colour, 1.0);
+    }
+    for line in &scene.value_lines {
+        canvas.line(line.ends, colour.colour(line.value), 1.0 - line.transparency);
     }
 }
 
@@ -67,6 +66,17 @@ pub fn ray_sphere(origin: Vec3, direction: Vec3, centre: Vec3, radius: f32) -> O
     let inside = radius * radius - off.length_squared();
     let t = along - inside.max(0.0).sqrt();
     (inside >= 0.0 && t > NEAR).then_some(t)
+}
+
+/// Where a point shows in a picture, pixels from the upper left corner; `None` behind the eye, beside the picture or
+/// behind what the G-buffer has there. Words stand off what they are written on by less than 1 % of their distance.
+pub fn place_of(camera: &Camera, buffer: &GBuffer, position: Vec3) -> Option<Vec2> {
+    let projection = Projection::new(camera, UVec2::new(buffer.width, buffer.height));
+    let view = projection.view(position);
+    let at = (view.z > NEAR).then(|| projection.pixel(view))?;
+    let inside = at.cmpge(Vec2::ZERO).all() && at.cmplt(projection.size.as_vec2()).all();
+    let pixel = inside.then(|| (at.y as u32 * buffer.width + at.x as u32) as usize)?;
+    (position.distance(camera.eye) < 1.01 * buffer.depth[pixel]).then_some(at)
 }
 
 /// From world to pixels.
@@ -136,12 +146,15 @@ struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    fn put(&mut self, x: u32, y: u32, distance: f32, colour: Vec3) {
+    fn put(&mut self, x: u32, y: u32, distance: f32, colour: Vec3, opacity: f32) {
         let i = (y * self.projection.size.x + x) as usize;
         if distance < self.depth[i] {
             self.depth[i] = distance;
-            let [r, g, b] = srgb8(colour);
-            self.picture[i] = [r, g, b, 255];
+            let over = |new: u8, old: u8| {
+                (f32::from(old) + (f32::from(new) - f32::from(old)) * opacity).round() as u8
+            };
+            let ([r, g, b], old) = (srgb8(colour), self.picture[i]);
+            self.picture[i] = [over(r, old[0]), over(g, old[1]), over(b, old[2]), 255];
         }
     }
 
@@ -157,7 +170,7 @@ impl Canvas<'_> {
             if let Some(t) = ray_sphere(eye, direction, sphere.centre, sphere.radius) {
                 let normal = ((eye - sphere.centre) + direction * t) / sphere.radius;
                 let value = sphere_value(sphere, values, bins, normal.normalize_or(Vec3::Y));
-                self.put(x, y, t, colour.colour(luminance(value)));
+                self.put(x, y, t, colour.colour_of(value), 1.0);
             }
         }
     }
@@ -166,7 +179,7 @@ impl Canvas<'_> {
         let eye = self.projection.camera.eye;
         for triangle in &mesh.triangles {
             let corners = triangle.map(|i| mesh.positions[i as usize]);
-            let values = triangle.map(|i| luminance(mesh.values[i as usize]));
+            let values = triangle.map(|i| mesh.values[i as usize]);
             let view = corners.map(|c| self.projection.view(c));
             let [low, high] = [view[0].min(view[1]).min(view[2]), view[0].max(view[1]).max(view[2])];
             if high.z <= NEAR {
@@ -183,14 +196,14 @@ impl Canvas<'_> {
                 if let Some((t, weights)) = meet(&ray, corners) {
                     let value =
                         values[0] + (values[1] - values[0]) * weights.x + (values[2] - values[0]) * weights.y;
-                    self.put(x, y, t * (1.0 - DEPTH_BIAS), colour.colour(value));
+                    self.put(x, y, t * (1.0 - DEPTH_BIAS), colour.colour_of(value), 1.0 - mesh.transparency);
                 }
             }
         }
     }
 
-    fn line(&mut self, line: &Line) {
-        let [mut a, mut b] = line.ends.map(|e| self.projection.view(e));
+    fn line(&mut self, ends: [Vec3; 2], colour: Vec3, opacity: f32) {
+        let [mut a, mut b] = ends.map(|e| self.projection.view(e));
         if a.z.max(b.z) <= NEAR {
             return;
         }
@@ -216,7 +229,7 @@ impl Canvas<'_> {
             let share = if length > 0.0 { s / length } else { 0.0 };
             let z = 1.0 / ((1.0 - share) / a.z + share / b.z);
             let distance = z / self.projection.direction(x, y).dot(self.projection.forward);
-            self.put(x, y, distance * (1.0 - DEPTH_BIAS), line.colour);
+            self.put(x, y, distance * (1.0 - DEPTH_BIAS), colour, opacity);
         }
     }
 }

@@ -11,7 +11,11 @@ use crate::{
     mirror::images::MirrorImages,
     radiosity::RadiositySolution,
     reference::expression::Expression,
-    scene::{Scene, lookup::Lookup, world::World},
+    scene::{
+        Scene,
+        lookup::{Lookup, Reconstruction},
+        world::World,
+    },
 };
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -48,6 +52,16 @@ impl LightTransportSolution {
     /// How its pictures look up what is stored on surfaces.
     pub fn lookup(&self) -> Lookup {
         self.scene.plan.lookup.unwrap_or_default()
+    }
+
+    /// What becomes of what is stored on surfaces before pictures look it up.
+    pub fn reconstruction(&self) -> Reconstruction {
+        self.scene.plan.reconstruction.unwrap_or_default()
+    }
+
+    /// The same light as pictures show it: reconstructed as the plan has it. To be shown, not to be lit again.
+    pub fn reconstructed(&self) -> Self {
+        Self { radiosity: self.radiosity.reconstructed(self.reconstruction()), ..self.clone() }
     }
 
     /// The same light with movable objects that shine, or are diffuse again; an order that the volume does

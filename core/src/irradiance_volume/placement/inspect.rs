@@ -111,6 +111,7 @@ pub fn scene(measured: &Measurement, requirement: &Requirement) -> InspectionSce
         positions: field.positions.clone(),
         values: field.values.iter().map(|v| Vec3::splat(v.unwrap_or(0.0))).collect(),
         triangles: field.triangles().collect(),
+        ..ColouredMesh::default()
     };
     scene.meshes.push(mesh);
     for level in levels(measured, requirement) {

@@ -54,6 +54,7 @@ impl Component {
                 gather_rays: None,
                 shadow_rays: None,
                 lookup: None,
+                reconstruction: None,
                 ..over
             },
             Self::Mirror => PlanOverrides { mirror_depth: None, mirrors: None, mirror_images: None, ..over },

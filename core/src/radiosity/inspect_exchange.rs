@@ -1,85 +1,22 @@
-//! Views of how radiosity is laid out: quadtrees and T-vertices, texel density, Mach bands, exchange of light.
+//! Views of how radiosity is laid out and exchanged: texel density, Mach bands, links between elements.
 
 use super::{
     RadiositySolution,
-    inspect::{LIFT_SPACINGS, coloured, statistics},
-    subdivide::ChartTree,
-    surface_map::Chart,
+    inspect::{LIFT_SPACINGS, coloured},
 };
 use crate::{
-    inspection::{InspectionScene, Label, Legend, Line, robust_range},
-    math::{colour::luminance, false_colour::Palette},
+    inspection::{InspectionScene, Label, Legend, Line, ValueLine, bulk_range},
+    math::colour::luminance,
     scene::world::World,
 };
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// Half the size of a T-vertex's cross, in its leaf's steps.
-const CROSS_STEPS: f32 = 0.3;
+/// Colour of the element that was picked.
+const PICKED: Vec3 = Vec3::new(1.0, 0.2, 0.9);
 
 /// Links drawn from an element.
 const MOST_LINKS: usize = 64;
-
-/// Outlines of the leaves, from dark for roots to bright for the finest, and red crosses at T-vertices; `None`
-/// without quadtrees.
-pub fn quadtrees(solution: &RadiositySolution) -> Option<InspectionScene> {
-    let (elements, map) = (solution.elements(), &solution.transport().map);
-    let deepest = map.trees.iter().flatten().flat_map(|t| &t.leaves).map(|l| l.level).max()?;
-    let lift = LIFT_SPACINGS * map.spacing_m;
-    let mut view = InspectionScene::default();
-    let (mut leaves, mut t_vertices) = (vec![0usize; usize::from(deepest) + 1], 0);
-    for (tree, chart) in map.trees.iter().zip(&map.charts) {
-        let Some(tree) = tree else { continue };
-        let node = |n: u32| &elements[(chart.first_element + n) as usize];
-        let place = |n: u32| node(n).position + node(n).normal * lift;
-        for leaf in &tree.leaves {
-            let corners = tree.corners(leaf);
-            if corners.iter().any(|&c| !node(c).is_shown()) {
-                continue;
-            }
-            leaves[usize::from(leaf.level)] += 1;
-            let colour =
-                Palette::Viridis.colour(0.2 + 0.8 * f32::from(leaf.level) / f32::from(deepest.max(1)));
-            for i in 0..4 {
-                view.lines.push(Line { ends: [place(corners[i]), place(corners[(i + 1) % 4])], colour });
-            }
-        }
-        for n in t_vertices_of(tree) {
-            if node(n).is_shown() {
-                t_vertices += 1;
-                cross(&mut view, place(n), chart);
-            }
-        }
-    }
-    let of = |(level, count): (usize, &usize)| format!("{count} leaves at level {level}");
-    view.notes = leaves.iter().enumerate().map(of).collect();
-    view.notes.push(format!("{t_vertices} T-vertices"));
-    view.notes.extend(statistics(solution));
-    Some(view)
-}
-
-/// Corners of leaves inside an edge of another leaf.
-fn t_vertices_of(tree: &ChartTree) -> Vec<u32> {
-    let corners = tree.levels();
-    let mut found = Vec::new();
-    for leaf in &tree.leaves {
-        let span = tree.span(leaf.level);
-        let node = |x: u32, y: u32| (leaf.at[1] + y) * tree.nodes[0] + leaf.at[0] + x;
-        let across = (1..span[0]).flat_map(|x| [node(x, 0), node(x, span[1].min(tree.nodes[1] - 1))]);
-        let along = (1..span[1]).flat_map(|y| [node(0, y), node(span[0].min(tree.nodes[0] - 1), y)]);
-        found.extend(across.chain(along).filter(|n| corners.get(*n as usize).is_some_and(Option::is_some)));
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
-}
-
-fn cross(view: &mut InspectionScene, at: Vec3, chart: &Chart) {
-    for step in [chart.step_u + chart.step_v, chart.step_u - chart.step_v] {
-        let half = step * CROSS_STEPS;
-        view.lines.push(Line { ends: [at - half, at + half], colour: Vec3::new(0.9, 0.05, 0.05) });
-    }
-}
 
 /// Texels a metre: one over the root of the area of a grid's cell or of a vertex element.
 pub fn texel_density(solution: &RadiositySolution, world: &World) -> InspectionScene {
@@ -92,7 +29,12 @@ pub fn texel_density(solution: &RadiositySolution, world: &World) -> InspectionS
         Vec3::splat(if area > 0.0 { area.sqrt().recip() } else { 0.0 })
     });
     let densities: Vec<Vec3> = densities.collect();
-    coloured(solution, world, &densities, "texels a metre", "1/m")
+    let mut view = coloured(solution, world, &densities, "texels a metre", "1/m");
+    // A lamp's few fine texels would leave one colour for all the others.
+    if let Some(legend) = &mut view.legend {
+        legend.range = bulk_range(densities.iter().map(|d| d.x).filter(|d| *d > 0.0));
+    }
+    view
 }
 
 /// Second difference of irradiance between the nodes of grids: bright and dark bands that the eye sees where
@@ -115,7 +57,7 @@ pub fn second_difference(solution: &RadiositySolution, world: &World) -> Inspect
         }
     }
     let mut view = coloured(solution, world, &bends, "second difference of irradiance", "lx");
-    let [_, largest] = robust_range(bends.iter().map(|b| b.x.abs()));
+    let [_, largest] = bulk_range(bends.iter().map(|b| b.x.abs()).filter(|b| *b > 0.0));
     if let Some(legend) = &mut view.legend {
         legend.range = [-largest, largest];
     }
@@ -160,10 +102,17 @@ pub fn links(solution: &RadiositySolution, element: u32) -> Option<InspectionSce
         ..InspectionScene::default()
     };
     for (element, light) in &largest {
-        let share = if most > 0.0 { light / most } else { 0.0 };
         let to = elements[*element as usize].position;
-        view.lines.push(Line { ends: [from, to], colour: Palette::Viridis.colour(share) });
+        view.value_lines.push(ValueLine { ends: [from, to], value: *light, transparency: 0.0 });
     }
+    // The element itself, and the normal that its rays leave about.
+    let up = elements[nearest].geometric_normal;
+    let (u, v) = up.any_orthonormal_pair();
+    let half = 0.5 * elements[nearest].area.sqrt();
+    let corners = [u + v, v - u, -u - v, u - v].map(|c| from + up * (LIFT_SPACINGS * half) + c * half);
+    let outline = (0..4).map(|i| [corners[i], corners[(i + 1) % 4]]);
+    let ends = outline.chain([[from, from + up * (2.0 * half)]]);
+    view.lines.extend(ends.map(|ends| Line { ends, colour: PICKED }));
     let name = format!("{sum:.0} lx from others");
     view.labels.push(Label { position: from, text: name, strong: true });
     let shown: f32 = largest.iter().map(|l| l.1).sum();

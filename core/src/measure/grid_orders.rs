@@ -1,0 +1,59 @@
+//! One grid's light by the thesis's conversions of a quadtree's leaves to texels: of zero order, one texel a leaf with
+//! the gaps filled (Bastos 1999, Programs 5.7, 5.12 and 5.14), and of first order, the mean of the leaves at each
+//! vertex (5.10, 5.11). What they cost against the stages that keep the nodes is the point of showing them.
+//!
+//! The solver's samples are nodes and not leaves, so a leaf's radiosity is the mean of its corners. The tree is the
+//! solver's own where it has one: a cell is a leaf unless a node that was solved lies between its corners. Beyond
+//! the grid the nodes of its border stand again.
+
+use super::grid_texture::{GridTexture, Stage};
+use crate::radiosity::texture::{
+    Quadtree, RadiosityTexture, Shape,
+    convert::{fill_first_order, fill_zero_order, first_order, zero_order},
+    display::Filter,
+};
+use glam::Vec3;
+
+/// Levels of a tree, at most: what [`Quadtree`] allows.
+const MOST_LEVELS: u32 = 10;
+
+/// Names of the orders.
+pub const ORDERS: [&str; 2] = ["zero order", "first order"];
+
+impl GridTexture {
+    /// The textures of zero and first order, looked up nearest and bilinearly; `None` where the grid has more than
+    /// 1,024 cells along an edge.
+    pub fn orders(&self) -> Option<[Stage; 2]> {
+        let [nx, ny] = self.nodes;
+        let height = (nx.max(ny) - 1).next_power_of_two().ilog2();
+        if height > MOST_LEVELS {
+            return None;
+        }
+        let solved = |x: u32, y: u32| x < nx && y < ny && !self.open[(y * nx + x) as usize];
+        let mut tree = Quadtree::new(Shape::Quadrilateral);
+        tree.refine(height, |cell| {
+            let span = cell.span(height);
+            let between = |a: u32, b: u32| !(a.is_multiple_of(span) && b.is_multiple_of(span));
+            let mut inside = (0..=span).flat_map(|b| (0..=span).map(move |a| (a, b)));
+            inside.any(|(a, b)| between(a, b) && solved(cell.u * span + a, cell.v * span + b))
+        });
+        let node = |x: u32, y: u32| self.stored.image.at(x.min(nx - 1), y.min(ny - 1));
+        let mean = |corners: Vec<Vec3>| corners.iter().sum::<Vec3>() / corners.len() as f32;
+        let radiosity: Vec<Vec3> = tree
+            .leaves()
+            .iter()
+            .map(|leaf| mean(leaf.corners(Shape::Quadrilateral, height).map(|c| node(c.x, c.y)).collect()))
+            .collect();
+        let zero = fill_zero_order(&tree, &radiosity, &zero_order(&tree, &radiosity));
+        let first = fill_first_order(&tree, &first_order(&tree, &radiosity).average());
+        // The grid takes a share of the tree's square.
+        let over_grid = |texture: RadiosityTexture| {
+            let (first, step) = (texture.first / self.window, texture.step / self.window);
+            RadiosityTexture { first, step, ..texture }
+        };
+        Some([
+            Stage { texture: over_grid(zero), filter: Filter::Nearest },
+            Stage { texture: over_grid(first), filter: Filter::Bilinear },
+        ])
+    }
+}
