@@ -432,6 +432,7 @@ fn a_walk_is_timed_by_reflectors_and_method() {
     let report = fs::read_to_string(out.join("fly.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert!(report["rows"][0]["images_an_element"].is_null() && report["rows"][1]["images_an_element"] == 1);
+    assert!(out.join("fly.svg").exists() && image::open(out.join("fly.png")).is_ok());
     let error = walk("99").unwrap_err();
     assert!(error.contains("99 reflectors asked for") && error.lines().count() == 1, "{error}");
 }
