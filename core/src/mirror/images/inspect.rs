@@ -1,9 +1,10 @@
 //! Where a scene's reflectors are sampled, and what their samples show from its camera.
 
 use super::{
+    elements::SampleSettings,
     pass::{Frame, Nearest},
     select::Selection,
-    sets::{MirrorImages, SampleSettings},
+    sets::MirrorImages,
 };
 use crate::{
     inspection::{InspectionScene, Label, Line, NamedImage},
