@@ -108,18 +108,12 @@ impl MirrorImages {
     /// # Errors
     /// [`Cancelled`].
     pub fn automatic(world: &World, progress: &Progress) -> Result<Self, Cancelled> {
-        let geometry = &world.geometry;
-        let mut sides = sides(geometry, |reflector, normal| {
-            let (_, [low, high]) = extent(geometry, reflector, normal);
-            SampleSettings::for_extent(high - low)
-        });
-        while sides.iter().map(|s| s.points(geometry)).sum::<u64>() > MOST_POINTS {
-            let finer = |s: &&mut Side| s.settings.resolution > LEAST_RESOLUTION;
-            if sides.iter_mut().filter(finer).map(|s| s.settings.resolution /= 2).count() == 0 {
-                sides.pop();
-            }
-        }
-        Self::sample(world, &sides, progress)
+        Self::sample(world, &sides_as_asked(&world.geometry), progress)
+    }
+
+    /// Points of [`Self::automatic`], about: a ray each.
+    pub fn automatic_points(geometry: &Geometry) -> u64 {
+        sides_as_asked(geometry).iter().map(|side| side.points(geometry)).sum()
     }
 
     /// Samples every reflector with the same settings.
@@ -189,6 +183,21 @@ fn sides(geometry: &Geometry, settings: impl Fn(&Reflector, Vec3) -> SampleSetti
         for back in [false, true].into_iter().take(1 + usize::from(reflector.double_sided)) {
             let settings = settings(&reflector, side(&reflector, back));
             sides.push(Side { reflector: reflector.clone(), back, settings });
+        }
+    }
+    sides
+}
+
+/// All sides with settings for their sizes, coarser where the points would be too many.
+fn sides_as_asked(geometry: &Geometry) -> Vec<Side> {
+    let mut sides = sides(geometry, |reflector, normal| {
+        let (_, [low, high]) = extent(geometry, reflector, normal);
+        SampleSettings::for_extent(high - low)
+    });
+    while sides.iter().map(|s| s.points(geometry)).sum::<u64>() > MOST_POINTS {
+        let finer = |s: &&mut Side| s.settings.resolution > LEAST_RESOLUTION;
+        if sides.iter_mut().filter(finer).map(|s| s.settings.resolution /= 2).count() == 0 {
+            sides.pop();
         }
     }
     sides
