@@ -1,6 +1,6 @@
 //! `fly`: a recorded walk on the GPU twin, and what flat reflectors cost it, as Bastos 1999, Fig. 6.20 asks.
 
-use super::{Common, fly_path::Walk, parse_glossy, parse_size, render::MirrorsName, solve};
+use super::{Common, fly_path::Walk, fly_report, parse_glossy, parse_size, render::MirrorsName, solve};
 use anyhow::{Context, bail};
 use clap::Args;
 use lumenscope_core::{
@@ -12,33 +12,32 @@ use lumenscope_core::{
     superposition::composite::DirectQuality,
     transport::LightTransportSolution,
 };
-use serde_json::json;
-use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Instant};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `fly`.
 #[derive(Args)]
 pub struct Options {
     /// Scene file.
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Places on the walk: `seconds,eye_x,eye_y,eye_z,target_x,target_y,target_z`, m.
     #[arg(long)]
     path: PathBuf,
-    /// Folder for `fly.csv` and `fly.json`.
+    /// Folder for `fly.csv`, `fly.json` and the chart.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Frames of the walk.
     #[arg(long, default_value_t = 944, value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    frames: u32,
+    pub(super) frames: u32,
     /// Picture size.
     #[arg(long, default_value = "720x486", value_parser = parse_size)]
-    size: [u32; 2],
+    pub(super) size: [u32; 2],
     /// Numbers of reflectors that reflect, the largest first: `5`, `0,5` or `0..5`.
     #[arg(long, default_value = "0..5", value_parser = parse_counts)]
     reflectors: Counts,
     /// Convolve what glossy surfaces mirror, by this method: variant, invariant (the default) or sharp. Without it
     /// they mirror sharply.
     #[arg(long, value_parser = parse_glossy, num_args = 0..=1, default_missing_value = "invariant")]
-    glossy: Option<GlossyMethod>,
+    pub(super) glossy: Option<GlossyMethod>,
     /// Mirrors that light is followed through; the scene's plan by default.
     #[arg(long)]
     depth: Option<u32>,
@@ -61,6 +60,9 @@ impl Options {
     }
 }
 
+/// Numbers of reflectors that are walked with, at most.
+const MOST_COUNTS: usize = 32;
+
 /// Numbers of reflectors.
 #[derive(Clone, Debug)]
 struct Counts(Vec<usize>);
@@ -70,41 +72,43 @@ fn parse_counts(text: &str) -> Result<Counts, String> {
     let counts = match text.split_once("..") {
         Some((from, to)) => {
             let from: usize = from.parse().map_err(|_| wrong())?;
-            (from..=to.parse().map_err(|_| wrong())?).collect()
+            (from..=to.parse().map_err(|_| wrong())?).take(MOST_COUNTS + 1).collect()
         }
         None => text
             .split(',')
             .map(|n| n.trim().parse().map_err(|_| wrong()))
             .collect::<Result<Vec<usize>, String>>()?,
     };
-    if counts.is_empty() || counts.len() > 32 { Err(wrong()) } else { Ok(Counts(counts)) }
+    if counts.is_empty() || counts.len() > MOST_COUNTS { Err(wrong()) } else { Ok(Counts(counts)) }
 }
 
 /// What one walk cost.
-struct Row {
-    reflectors: usize,
+pub(super) struct Row {
+    pub(super) reflectors: usize,
     /// Images-with-depth an element, or from the geometry.
-    images: Option<u32>,
+    pub(super) images: Option<u32>,
     /// Mirrored views a frame, mean.
-    views: f64,
-    /// Milliseconds of each frame, sorted.
-    milliseconds: Vec<f64>,
+    pub(super) views: f64,
+    /// Milliseconds of each frame.
+    pub(super) milliseconds: Vec<f64>,
     /// Milliseconds of each stage, mean; `None` without timestamps.
-    stages: Option<[f64; 7]>,
+    pub(super) stages: Option<[f64; 7]>,
 }
 
 impl Row {
     /// Where what its mirrors show comes from.
-    fn mirrors(&self) -> String {
+    pub(super) fn mirrors(&self) -> String {
         self.images
             .map_or("geometry".into(), |count| format!("{count} image{}", if count == 1 { "" } else { "s" }))
     }
 
-    fn percentile(&self, share: f64) -> f64 {
-        self.milliseconds[((self.milliseconds.len() - 1) as f64 * share).round() as usize]
+    pub(super) fn percentile(&self, share: f64) -> f64 {
+        let mut sorted = self.milliseconds.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted[((sorted.len() - 1) as f64 * share).round() as usize]
     }
 
-    fn mean(&self) -> f64 {
+    pub(super) fn mean(&self) -> f64 {
         self.milliseconds.iter().sum::<f64>() / self.milliseconds.len() as f64
     }
 
@@ -204,7 +208,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         after.percentile(0.5)
     );
     if let Some(out) = &options.out {
-        write(out, options, &context.adapter, &rows, [&before, &after])?;
+        fly_report::write(out, options, &context.adapter, &rows, [&before, &after])?;
     }
     Ok(())
 }
@@ -300,7 +304,6 @@ fn walk_once(
             sum.iter_mut().zip(stages).for_each(|(s, v): (&mut f64, f64)| *s += v);
         }
     }
-    milliseconds.sort_by(f64::total_cmp);
     let each = |total: f64| total / f64::from(options.frames);
     Ok(Row {
         reflectors,
@@ -309,51 +312,4 @@ fn walk_once(
         milliseconds,
         stages: sum.map(|s| s.map(each)),
     })
-}
-
-fn write(
-    out: &std::path::Path,
-    options: &Options,
-    adapter: &str,
-    rows: &[(Row, [f64; 4])],
-    plain: [&Row; 2],
-) -> anyhow::Result<()> {
-    solve::output_folder(out)?;
-    let mut table = String::from(
-        "reflectors,mirrors,views,median_ms,p95_ms,frames_per_second,views_percent,convolution_percent,modulation_percent,shading_percent",
-    );
-    for stage in Stage::ALL {
-        let _ = write!(table, ",{}_ms", stage.name());
-    }
-    table.push('\n');
-    let mut list = Vec::new();
-    for (row, shares) in rows {
-        let stages = row.stages.unwrap_or([f64::NAN; 7]);
-        let numbers = [row.views, row.percentile(0.5), row.percentile(0.95), 1000.0 / row.mean()];
-        let cells: Vec<String> =
-            numbers.iter().chain(shares).chain(&stages).map(|x| format!("{x:.3}")).collect();
-        let _ = writeln!(table, "{},{},{}", row.reflectors, row.mirrors(), cells.join(","));
-        let stages: serde_json::Map<String, serde_json::Value> =
-            Stage::ALL.iter().zip(stages).map(|(s, ms)| (format!("{}_ms", s.name()), json!(ms))).collect();
-        list.push(json!({
-            "reflectors": row.reflectors,
-            "images_an_element": row.images,
-            "mirrored_views": row.views,
-            "median_ms": row.percentile(0.5),
-            "p95_ms": row.percentile(0.95),
-            "frames_per_second": 1000.0 / row.mean(),
-            "stages": stages,
-        }));
-    }
-    solve::write(&out.join("fly.csv"), &table)?;
-    let report = json!({
-        "scene": options.scene,
-        "adapter": adapter,
-        "size": options.size,
-        "frames": options.frames,
-        "glossy": options.glossy.map_or("sharp", GlossyMethod::name),
-        "rows": list,
-        "without_reflectors_ms": plain.map(|r| r.percentile(0.5)),
-    });
-    solve::write(&out.join("fly.json"), &format!("{report:#}\n"))
 }

@@ -8,6 +8,7 @@ mod copies;
 mod cost;
 mod fly;
 mod fly_path;
+mod fly_report;
 mod framed;
 mod glossy;
 mod glossy_judge;

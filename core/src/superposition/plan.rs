@@ -13,7 +13,7 @@ pub use component::{Component, ExpectedError, PlanLine};
 use crate::{
     glossy::{GlossyMethod, environment, pass::MOST_LOBES},
     irradiance_volume::VolumeSettings,
-    mirror::{MOST_VIEWS, MirrorSettings, reflectors::Reflectors},
+    mirror::{MOST_VIEWS, MirrorSettings, images::MirrorImages, reflectors::Reflectors},
     radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
     scene::{Scene, emitters::Emitter, file::PlanOverrides, world::World},
     transport::live::SolveSettings,
@@ -202,6 +202,10 @@ impl Needs<'_> {
                 counted(images as usize, "image-with-depth")
             ),
         };
+        let points = match images {
+            Some(_) if used => MirrorImages::automatic_points(&self.world.geometry),
+            _ => 0,
+        };
         let (expected_error, error_basis) = match (curved, used, images) {
             (0, false, _) => (ExpectedError::Exact, "nothing is sampled"),
             (0, true, None) => {
@@ -217,6 +221,7 @@ impl Needs<'_> {
         PlanLine {
             expected_error,
             error_basis: error_basis.into(),
+            expected_seconds: points as f64 / RAYS_PER_SECOND,
             ..self.line(Component::Mirror, used, words, reason)
         }
     }

@@ -1,10 +1,10 @@
 //! Where a scene's reflectors are sampled, and what their samples show from its camera.
 
 use super::{
-    pass::{Frame, Nearest, diffuse},
-    reproject::Splat,
+    elements::SampleSettings,
+    pass::{Frame, Nearest},
     select::Selection,
-    sets::{MirrorImages, SampleSettings},
+    sets::MirrorImages,
 };
 use crate::{
     inspection::{InspectionScene, Label, Line, NamedImage},
@@ -24,7 +24,7 @@ const SETTINGS: SampleSettings = SampleSettings { element_m: 1.5, poses: 6, radi
 pub const HOLE: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 
 /// Centres of projection of the samples behind every reflector that the scene's camera sees, with the
-/// pyramids of those nearest to the mirrored eye; beside the scene what these show by their points, holes in magenta.
+/// pyramids of those nearest to the mirrored eye; beside the scene what these show, holes in magenta.
 /// The samples are those that mirrors are shown from, or where the plan has none coarse ones.
 ///
 /// `None` where the camera sees no flat reflector, or so much is flat that the samples would not fit.
@@ -39,11 +39,10 @@ pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
         return None;
     }
     let held = solution.mirror_images.as_deref().filter(|images| images.hold(&world.geometry));
-    let mut images: Cow<MirrorImages> = match held {
+    let images: Cow<MirrorImages> = match held {
         Some(images) => Cow::Borrowed(images),
         None => Cow::Owned(MirrorImages::new(world, &SETTINGS, &Progress::silent()).ok()?),
     };
-    images.to_mut().recolour(world, &diffuse(&shading));
     let planned = MirrorSettings::of(&solution.scene.plan).images;
     let count = planned.unwrap_or(IMAGES) as usize;
     let mut scene = InspectionScene::default();
@@ -86,7 +85,7 @@ pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
         scene.notes.push(text);
     }
     let points = Nearest { images: &images, selection: Selection::Angle, count };
-    let picture = frame.from_points(&points, Splat::Box);
+    let picture = frame.from_ids(&points, &shading);
     let brightest = picture.radiance.iter().map(|r| r.max_element()).fold(1e-6, f32::max).min(2000.0);
     let shown = LinearImage::from_fn(SIZE.x, SIZE.y, |x, y| {
         let i = (y * SIZE.x + x) as usize;

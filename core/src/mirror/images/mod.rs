@@ -2,7 +2,7 @@
 //! (Bastos 1999, §6.6).
 //!
 //! A reflector is cut into elements; behind each stands a hemisphere of centres of projection, and from each
-//! of those a picture is taken through the element, with the distance of every pixel ([`sample`], [`sets`]). To show
+//! of those a picture is taken through the element, with the distance of every pixel ([`elements`], [`sample`], [`sets`]). To show
 //! the reflector, the samples nearest to the mirrored eye are chosen ([`select`]), what of their pixels may be in
 //! sight ([`visible`]) is put into the scene as points, and seen from the mirrored eye ([`mod@reproject`]). The price
 //! is that of the pictures' pixels, whatever the scene; what no chosen sample has seen stays a hole.
@@ -17,6 +17,7 @@
 //! moves: until they are taken anew mirrors are shown from the geometry. Points are treated as small squares that face
 //! their sample, so surfaces that run away from it are thinner than they should be and show cracks from elsewhere.
 
+pub mod elements;
 pub mod gpu;
 pub mod inspect;
 pub mod layered;
@@ -27,8 +28,9 @@ pub mod select;
 pub mod sets;
 pub mod visible;
 
+pub use elements::SampleSettings;
 pub use layered::LayeredImage;
 pub use reproject::{Reprojected, Splat, reproject};
 pub use sample::{ImageWithDepth, NOTHING, Point};
 pub use select::Selection;
-pub use sets::{ImagesError, MirrorImages, ReflectorImages, SampleSettings};
+pub use sets::{ImagesError, MirrorImages, ReflectorImages};

@@ -60,6 +60,14 @@ pub fn diffuse<'a>(shading: &'a Shading) -> impl Fn(&Surface, Vec3) -> Vec3 + Sy
     move |surface, wo| shading.terms(surface, 0, wo).diffuse()
 }
 
+/// What points show of one view.
+struct Splatted {
+    /// The pixels that show it.
+    mask: Vec<bool>,
+    shown: Reprojected,
+    points: usize,
+}
+
 /// A picture whose mirrors are shown.
 pub struct Frame<'a> {
     /// The scene.
@@ -104,17 +112,20 @@ impl<'a> Frame<'a> {
 
     /// Shows the mirrors by points.
     pub fn from_points(&self, points: &impl Points, splat: Splat) -> MirrorPicture {
+        self.of_splats(&self.splat(points, splat))
+    }
+
+    fn of_splats(&self, views: &[Splatted]) -> MirrorPicture {
         let mut picture = MirrorPicture {
             radiance: vec![Vec3::ZERO; self.of_pixels.len()],
             hole: vec![false; self.of_pixels.len()],
             mirrored: self.mirrored(),
-            points: 0,
+            points: views.iter().map(|view| view.points).sum(),
         };
-        for (mask, shown, points) in self.splat(points, splat) {
-            picture.points += points;
+        for Splatted { mask, shown, .. } in views {
             for i in (0..mask.len()).filter(|&i| mask[i]) {
                 picture.radiance[i] = shown.radiance[i];
-                picture.hole[i] = shown.is_hole(&mask, i);
+                picture.hole[i] = shown.is_hole(mask, i);
             }
         }
         picture
@@ -122,24 +133,22 @@ impl<'a> Frame<'a> {
 
     /// Shows the mirrors by the triangles of the nearest points: their light is read where the pixel's ray meets them.
     pub fn from_ids(&self, points: &impl Points, shading: &Shading) -> MirrorPicture {
-        let mut picture = self.from_points(points, Splat::Box);
-        for (view, (mask, shown, _)) in self.views.iter().zip(self.splat(points, Splat::Box)) {
+        let views = self.splat(points, Splat::Box);
+        let mut picture = self.of_splats(&views);
+        for (view, Splatted { mask, shown, .. }) in self.views.iter().zip(&views) {
             let light = |i: usize| {
                 let along = self.reflectors.list[view.reflector as usize].mirror_direction(self.direction(i));
                 let surface = surface_by_id(&self.world.geometry, &view.eye, shown.triangle[i], along)?;
                 Some(diffuse(shading)(&surface, -along))
             };
-            let read: Vec<(usize, Vec3)> = (0..mask.len())
-                .into_par_iter()
-                .filter(|&i| mask[i])
-                .map(|i| (i, light(i).unwrap_or_default()))
-                .collect();
+            let masked = (0..mask.len()).into_par_iter().filter(|&i| mask[i]);
+            let read: Vec<(usize, Vec3)> = masked.map(|i| (i, light(i).unwrap_or_default())).collect();
             read.into_iter().for_each(|(i, radiance)| picture.radiance[i] = radiance);
         }
         picture
     }
 
-    fn splat(&self, points: &impl Points, splat: Splat) -> Vec<(Vec<bool>, Reprojected, usize)> {
+    fn splat(&self, points: &impl Points, splat: Splat) -> Vec<Splatted> {
         let margin = Portal::margin(self.size().to_array());
         (1u32..)
             .zip(&self.views)
@@ -151,7 +160,7 @@ impl<'a> Frame<'a> {
                     Sight { eye: &view.eye, portal: &Portal::of_view(view, margin), size: self.size() };
                 let points = points.of(self.reflectors, view, &sight);
                 let shown = reproject(&points, &view.eye, (self.size(), Vec2::splat(0.5)), &mask, splat);
-                (mask, shown, points.len())
+                Splatted { mask, shown, points: points.len() }
             })
             .collect()
     }
