@@ -96,7 +96,7 @@ pub fn cell_error_scene(
     for (c, error) in (0u32..).zip(&errors) {
         let at = UVec3::new(c % size.x, c / size.x % size.y, c / (size.x * size.y));
         let middle = low + (at.as_vec3() + 0.5) * cell;
-        let half = 0.5 * cell.min_element() * error.clamp(0.02, 1.0).cbrt() * 0.6;
+        let half = 0.5 * cell.min_element() * error.clamp(0.02, 1.0).cbrt() * 0.3;
         let first = mesh.positions.len() as u32;
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 1 { half } else { -half };
