@@ -134,6 +134,29 @@ fn a_volume_is_built_and_asked_as_wished() {
 }
 
 #[test]
+fn elements_are_laid_out_as_the_command_line_asks() {
+    let (_keep, out) = folder();
+    let cornell = scene("cornell/quadtrees.ron");
+    let elements = |options: &[&str]| {
+        let size = ["--size", "16x9", "--frames", "1", "--backend", "cpu", "--out", text(&out)];
+        run(&[&["render", &cornell][..], &size, options].concat()).map(|_| {
+            let report = fs::read_to_string(out.join("report.json")).unwrap();
+            serde_json::from_str::<serde_json::Value>(&report).unwrap().to_string()
+        })
+    };
+    let planned = elements(&[]).unwrap();
+    assert!(
+        planned.contains("split up to 3 times where light bends by more than 5.0 %, restricted"),
+        "{planned}"
+    );
+    let asked = ["--element-levels", "1", "--element-tolerance", "0.2", "--element-restricted", "false"];
+    let asked = elements(&asked).unwrap();
+    assert!(asked.contains("split up to 1 time where light bends by more than 20.0 %\""), "{asked}");
+    let error = elements(&["--element-levels", "9"]).unwrap_err();
+    assert!(error.contains("element_levels cannot be 9"), "{error}");
+}
+
+#[test]
 fn placement_writes_numbers_a_table_and_a_map_and_warns() {
     let (_keep, out) = folder();
     let point = scene("analytic/point_over_floor.ron");

@@ -18,6 +18,8 @@ pub enum Example {
     Pyramid,
     /// A house with a music room: five mirrors.
     House,
+    /// The Cornell box with its radiosity on quadtrees.
+    Quadtrees,
     /// Four walls of constant radiance.
     FourWalls,
     /// A lit and a dark room divided by a thin wall.
@@ -43,8 +45,15 @@ macro_rules! scene_files {
 
 impl Example {
     /// Examples to look at, in the order they are offered.
-    pub const ALL: [Self; 6] =
-        [Self::Office, Self::Cornell, Self::Teapot, Self::Chrome, Self::Pyramid, Self::House];
+    pub const ALL: [Self; 7] = [
+        Self::Office,
+        Self::Cornell,
+        Self::Quadtrees,
+        Self::Teapot,
+        Self::Chrome,
+        Self::Pyramid,
+        Self::House,
+    ];
 
     /// Examples whose light is known in closed form, or known to be hard.
     pub const ANALYTIC: [Self; 7] = [
@@ -71,6 +80,7 @@ impl Example {
             Self::Chrome => "Chrome teapot",
             Self::Pyramid => "Copper pyramid",
             Self::House => "House with a music room",
+            Self::Quadtrees => "Cornell box on quadtrees",
             Self::FourWalls => "Four constant walls",
             Self::TwoRooms => "Two rooms, one dark",
             Self::Tunnel => "Tunnel",
@@ -96,6 +106,9 @@ impl Example {
             Self::House => {
                 "A grand piano among five flat mirrors and 180,000 triangles: mirrored views and what they cost."
             }
+            Self::Quadtrees => {
+                "Elements split level by level where light bends: see Edges and T-vertices among the views."
+            }
             Self::FourWalls => "Radiance 4, 3, 2 and 1 cd/m²: spheres that can be checked by hand.",
             Self::TwoRooms => "A wall 2 cm thick between light and dark: where a volume leaks.",
             Self::Tunnel => "Light dies off along it and is never 0.",
@@ -117,6 +130,7 @@ impl Example {
             Self::Chrome => "example:chrome",
             Self::Pyramid => "example:pyramid",
             Self::House => "example:house",
+            Self::Quadtrees => "example:quadtrees",
             Self::FourWalls => "example:four_walls",
             Self::TwoRooms => "example:two_rooms",
             Self::Tunnel => "example:tunnel",
@@ -132,6 +146,7 @@ impl Example {
         match self {
             Self::Office => scene_files!["office/office.ron", "office/office.glb"],
             Self::Cornell => scene_files!["cornell/cornell.ron", "cornell/cornell.glb"],
+            Self::Quadtrees => scene_files!["cornell/quadtrees.ron", "cornell/cornell.glb"],
             Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
             Self::Chrome => scene_files!["glossy/chrome.ron", "glossy/chrome.glb"],
             Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],

@@ -24,11 +24,12 @@ fn published(x: f64, y: f64, z: f64) -> DVec3 {
     v(0.5 * WIDTH - x * 1e-3, y * 1e-3, -z * 1e-3)
 }
 
-/// `cornell/cornell.glb` and `cornell/cornell.ron`.
+/// `cornell/cornell.glb`, `cornell/cornell.ron` and, with quadtrees, `cornell/quadtrees.ron`.
 pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
         ("cornell/cornell.glb".into(), model().bytes()),
         ("cornell/cornell.ron".into(), RON.as_bytes().to_vec()),
+        ("cornell/quadtrees.ron".into(), QUADTREES.as_bytes().to_vec()),
     ]
 }
 
@@ -51,6 +52,26 @@ const RON: &str = "\
         edge_u: (0.5528, 0.0, 0.0),
         edge_v: (0.0, 0.0, -0.5592),
     )],
+)
+";
+
+const QUADTREES: &str = "\
+// The Cornell box with radiosity on quadtrees: cells of 8 cm, split up to three times where light bends.
+(
+    models: [(file: \"cornell.glb\")],
+    movable: [\"Short block\", \"Tall block\"],
+    camera: Some((
+        eye: (0.0, 0.273, 0.8),
+        target: (0.0, 0.273, 0.0),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 0.6861,
+    )),
+    plan: (
+        element_spacing_m: 0.08,
+        element_levels: 3,
+        element_tolerance: 0.05,
+        element_restricted: true,
+    ),
 )
 ";
 

@@ -15,7 +15,7 @@ use std::f32::consts::PI;
 fn settings(spacing: f32, levels: u8, tolerance: f32) -> RadiositySettings {
     RadiositySettings {
         element_spacing_m: Some(spacing),
-        subdivision: (levels > 0).then_some(Subdivision { levels, tolerance }),
+        subdivision: (levels > 0).then_some(Subdivision { levels, tolerance, restricted: false }),
         ..RadiositySettings::default()
     }
 }
@@ -157,4 +157,29 @@ fn trees_are_the_same_at_any_thread_count() {
     let (one, two) = (with(1), with(2));
     assert_eq!(one.transport().hits, two.transport().hits);
     assert_eq!(one.indirect, two.indirect);
+}
+
+#[test]
+fn restricted_trees_step_by_one_level_across_edges() {
+    let world = World::new(&hall());
+    let mut settings = settings(0.8, 3, 0.02);
+    let steepest = |settings: &RadiositySettings| {
+        let solution = solve(&world, settings);
+        let trees = solution.transport().map.trees.iter().flatten();
+        let of_tree = trees.flat_map(|tree| {
+            let [w, h] = tree.nodes.map(|n| n as usize - 1);
+            let levels = tree.levels_of_cells();
+            let beside =
+                |i: usize| [(i % w + 1 < w).then_some((i, i + 1)), (i / w + 1 < h).then_some((i, i + w))];
+            (0..w * h)
+                .flat_map(beside)
+                .flatten()
+                .map(move |(i, j)| levels[i].abs_diff(levels[j]))
+                .collect::<Vec<_>>()
+        });
+        of_tree.max()
+    };
+    assert!(steepest(&settings) > Some(1), "without the restriction some differ by more");
+    settings.subdivision = settings.subdivision.map(|s| Subdivision { restricted: true, ..s });
+    assert_eq!(steepest(&settings), Some(1));
 }

@@ -6,6 +6,7 @@ mod compare;
 mod compare_volumes;
 mod copies;
 mod cost;
+mod element_options;
 mod fly;
 mod fly_path;
 mod fly_report;
@@ -75,6 +76,9 @@ pub struct Common {
     /// Relative error wanted of surface irradiance; settings the scene file leaves open follow from it.
     #[arg(long, default_value_t = 0.04, global = true)]
     pub tolerance: f32,
+    /// Layout of radiosity's elements.
+    #[command(flatten)]
+    pub elements: element_options::ElementOptions,
 }
 
 #[derive(Subcommand)]

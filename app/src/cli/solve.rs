@@ -31,7 +31,8 @@ pub struct Loaded {
 /// # Errors
 /// One line naming the file and the cause.
 pub fn load(path: &Path, common: &Common) -> anyhow::Result<Loaded> {
-    let scene = import::load(path)?;
+    let mut scene = import::load(path)?;
+    common.elements.apply(&mut scene.plan)?;
     for warning in &scene.warnings {
         eprintln!("{}: warning: {warning}", path.display());
     }

@@ -48,9 +48,10 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     if only.is_none() {
         tour.empty()?;
     }
-    let parts: [(Example, Scenes); 4] = [
+    let parts: [(Example, Scenes); 5] = [
         (Example::Office, Tour::office),
         (Example::Cornell, Tour::cornell),
+        (Example::Quadtrees, Tour::quadtrees),
         (Example::Teapot, Tour::teapot),
         (Example::House, Tour::house),
     ];
@@ -243,6 +244,16 @@ impl Tour {
         self.view(|view| view.compare = Compare::Flip);
         self.photograph("flip", GRAIN)?;
         self.lightmap()?;
+        Ok(())
+    }
+
+    /// Radiosity on quadtrees, split where light bends.
+    fn quadtrees(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Quadtrees)?;
+        self.view(|view| view.views = vec!["radiosity.edges".to_owned()]);
+        self.wait("the quadtrees", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.photograph("radiosity.edges", GRAIN)?;
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use lumenscope_core::{
     glossy::GlossyMethod,
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::{IMAGES, MOST_IMAGES, MirrorMethod, MirrorSettings},
-    radiosity::{RadiositySettings, lookup::Lookup, surface_map::ElementLayout},
+    radiosity::{RadiositySettings, lookup::Lookup, subdivide::Subdivision, surface_map::ElementLayout},
     scene::{file::PlanOverrides, lookup::Reconstruction},
     superposition::plan::Component,
 };
@@ -39,6 +39,18 @@ pub fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, sessi
                 "Distance between elements on flat surfaces",
                 &mut over.element_spacing_m,
                 spacing,
+            );
+            let names = ["none", "1", "2", "3", "4"];
+            let levels = [0u8, 1, 2, 3, 4].map(|n| (n, names[usize::from(n)]));
+            choice(ui, "Levels", LEVELS, &mut over.element_levels, levels);
+            let split = Subdivision::default().tolerance;
+            share(ui, "Split above", SPLIT, &mut over.element_tolerance, split, 0.001..=10.0);
+            choice(
+                ui,
+                "Restricted",
+                RESTRICTED,
+                &mut over.element_restricted,
+                [(true, "yes"), (false, "no")],
             );
             count(
                 ui,
@@ -195,6 +207,11 @@ fn ignored(ui: &mut Ui, names: &mut Option<Vec<String>>, session: &Session) {
 const RECONSTRUCTION: &str = "What becomes of a grid's nodes before that, in pictures: nothing (stored); the smooth \
     function through them at twice as many along each axis (hermite); or that, low-passed where it moves nothing by \
     more than 2 % (filtered)";
+const LEVELS: &str = "Times that a cell of the element spacing may be split where light bends: quadtrees instead of \
+                      uniform grids";
+const SPLIT: &str = "Deviation from bilinear that is let be on an unsplit cell, relative to the irradiance; four times \
+                     as much a level further down";
+const RESTRICTED: &str = "Cells that share an edge differ by one level at most";
 const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between four, or Mitchell and \
                       Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
 const GLOSSY: &str = "How glossy flat surfaces blur what they mirror: by a kernel of its own for every pixel, by \

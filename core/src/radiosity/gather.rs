@@ -178,6 +178,7 @@ impl Gathering {
         &mut self,
         world: &World,
         level: u8,
+        restricted: bool,
         wanted: impl Fn(&[usize], [f32; 2]) -> bool,
         progress: &Progress,
     ) -> Result<bool, RadiosityError> {
@@ -185,7 +186,7 @@ impl Gathering {
         let open = |corners: &[usize], sides: [f32; 2]| {
             corners.iter().any(|c| !buried[*c]) && wanted(corners, sides)
         };
-        let grown = self.map.subdivide(level, open);
+        let grown = self.map.subdivide(level, restricted, open);
         if grown {
             progress.begin("subdividing");
             self.cast(world, progress)?;

@@ -198,7 +198,7 @@ impl RadiositySolution {
             let draft = Draft::new(&Self::light(world, transport, &coarse, progress)?);
             for level in 0..levels {
                 let asks = draft.asks(&gathering, &subdivision);
-                if !gathering.subdivide(world, level, asks, progress)? {
+                if !gathering.subdivide(world, level, subdivision.restricted, asks, progress)? {
                     break;
                 }
             }

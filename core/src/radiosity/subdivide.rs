@@ -36,11 +36,14 @@ pub struct Subdivision {
     /// Deviation from bilinear that is let be on a root, relative to the irradiance (or 5 % of its mean, if that
     /// is more); four times as much a level further down.
     pub tolerance: f32,
+    /// Whether leaves that share an edge may differ by one level at most.
+    #[serde(default)]
+    pub restricted: bool,
 }
 
 impl Default for Subdivision {
     fn default() -> Self {
-        Self { levels: 1, tolerance: 0.1 }
+        Self { levels: 1, tolerance: 0.1, restricted: false }
     }
 }
 
@@ -113,24 +116,56 @@ impl ChartTree {
         size_of_val(&self.leaves[..])
     }
 
-    /// Splits leaves of a level; whether any was.
-    fn split(&mut self, level: u8, wanted: impl Fn(&Self, &Leaf) -> bool) -> bool {
-        let (span, part) = (self.span(level), self.span(level + 1));
+    /// Splits the leaves that are wanted and can be; whether any was.
+    fn split(&mut self, wanted: impl Fn(&Self, &Leaf) -> bool) -> bool {
         let mut leaves = Vec::with_capacity(self.leaves.len());
         for leaf in &self.leaves {
-            if leaf.level != level || span == part || !wanted(self, leaf) {
+            let (span, part) = (self.span(leaf.level), self.span(leaf.level + 1));
+            if span == part || !wanted(self, leaf) {
                 leaves.push(*leaf);
                 continue;
             }
             for y in (0..span[1]).step_by(part[1] as usize) {
                 for x in (0..span[0]).step_by(part[0] as usize) {
-                    leaves.push(Leaf { at: [leaf.at[0] + x, leaf.at[1] + y], level: level + 1 });
+                    leaves.push(Leaf { at: [leaf.at[0] + x, leaf.at[1] + y], level: leaf.level + 1 });
                 }
             }
         }
         let grown = leaves.len() > self.leaves.len();
         self.leaves = leaves;
         grown
+    }
+
+    /// Splits leaves until those that share an edge differ by one level at most.
+    fn restrict(&mut self) {
+        loop {
+            let levels = self.levels_of_cells();
+            let [w, h] = self.nodes.map(|n| (n.max(2) - 1) as usize);
+            let steep = |tree: &Self, leaf: &Leaf| {
+                let ([x, y], [a, b]) =
+                    (leaf.at.map(|v| v as usize), tree.span(leaf.level).map(|v| v as usize));
+                // Numbers wrap below 0 and fail the test of being inside.
+                let beside = (0..a)
+                    .flat_map(|i| [(x + i, y.wrapping_sub(1)), (x + i, y + b)])
+                    .chain((0..b).flat_map(|j| [(x.wrapping_sub(1), y + j), (x + a, y + j)]));
+                let mut inside = beside.filter(|&(x, y)| x < w && y < h);
+                inside.any(|(x, y)| levels[y * w + x] > leaf.level + 1)
+            };
+            if !self.split(steep) {
+                return;
+            }
+        }
+    }
+
+    /// Level of the leaf that each cell of the grid lies in, x fastest.
+    pub fn levels_of_cells(&self) -> Vec<u8> {
+        let [w, h] = self.nodes.map(|n| (n.max(2) - 1) as usize);
+        let mut levels = vec![0; w * h];
+        for leaf in &self.leaves {
+            let ([x, y], [a, b]) = (leaf.at.map(|v| v as usize), self.span(leaf.level).map(|v| v as usize));
+            (y..y + b).for_each(|y| levels[y * w + x..][..a].fill(leaf.level));
+        }
+        levels
     }
 
     /// Level of the coarsest leaf that each node is a corner of; `None` between corners.
@@ -212,13 +247,21 @@ impl Draft {
 
 impl SurfaceMap {
     /// Splits the leaves of a level that `wanted` names by the elements at their corners inside the region and
-    /// their sides, m; whether any was.
-    pub(super) fn subdivide(&mut self, level: u8, wanted: impl Fn(&[usize], [f32; 2]) -> bool) -> bool {
+    /// their sides, m, and with `restricted` what lies beside them too coarse; whether any was.
+    pub(super) fn subdivide(
+        &mut self,
+        level: u8,
+        restricted: bool,
+        wanted: impl Fn(&[usize], [f32; 2]) -> bool,
+    ) -> bool {
         let mut grown = false;
         let (charts, elements) = (&self.charts, &self.elements);
         for (tree, chart) in self.trees.iter_mut().zip(charts) {
             let Some(tree) = tree else { continue };
-            grown |= tree.split(level, |tree, leaf| {
+            let split = tree.split(|tree, leaf| {
+                if leaf.level != level {
+                    return false;
+                }
                 let span = tree.span(leaf.level);
                 let sides = [chart.step_u.length() * span[0] as f32, chart.step_v.length() * span[1] as f32];
                 let corners = tree.corners(leaf).map(|c| (chart.first_element + c) as usize);
@@ -226,6 +269,10 @@ impl SurfaceMap {
                     corners.into_iter().filter(|&c| elements[c].flags & OUTSIDE == 0).collect();
                 wanted(&inside, sides)
             });
+            if split && restricted {
+                tree.restrict();
+            }
+            grown |= split;
         }
         if grown {
             self.mark_nodes();

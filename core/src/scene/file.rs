@@ -124,6 +124,10 @@ pub struct PlanOverrides {
     pub element_spacing_m: Option<f32>,
     /// Times that a cell of that size may be split where light bends, 0 to 4.
     pub element_levels: Option<u8>,
+    /// Deviation from bilinear that is let be on a cell of that size, relative to the irradiance.
+    pub element_tolerance: Option<f32>,
+    /// Whether cells that share an edge differ by one level at most.
+    pub element_restricted: Option<bool>,
     /// Gather rays an element.
     pub gather_rays: Option<u32>,
     /// Shadow rays an area emitter and element.
@@ -186,6 +190,9 @@ impl PlanOverrides {
         }
         if let Some(levels) = self.element_levels.filter(|levels| *levels > 4) {
             return Some(("element_levels", levels.to_string()));
+        }
+        if let Some(tolerance) = self.element_tolerance.filter(|t| !(t.is_finite() && *t > 0.0)) {
+            return Some(("element_tolerance", tolerance.to_string()));
         }
         let shares = [
             ("volume_refine_tolerance", self.volume_refine_tolerance, 10.0),

@@ -81,7 +81,11 @@ impl Plan {
         radiosity.shadow_rays = over.shadow_rays.unwrap_or(scaled(radiosity.shadow_rays, 4.0, 256.0));
         radiosity.element_spacing_m = over.element_spacing_m;
         let levels = over.element_levels.filter(|levels| *levels > 0);
-        radiosity.subdivision = levels.map(|levels| Subdivision { levels, ..Subdivision::default() });
+        radiosity.subdivision = levels.map(|levels| Subdivision {
+            levels,
+            tolerance: over.element_tolerance.unwrap_or(Subdivision::default().tolerance),
+            restricted: over.element_restricted.unwrap_or_default(),
+        });
         if !needs.reflects {
             radiosity.gather_rays = 1;
         }
@@ -159,8 +163,17 @@ impl Needs<'_> {
         } else {
             String::new()
         };
+        let trees =
+            settings.subdivision.map_or(String::new(), |Subdivision { levels, tolerance, restricted }| {
+                let restricted = if restricted { ", restricted" } else { "" };
+                format!(
+                    ", split up to {} where light bends by more than {:.1} %{restricted}",
+                    counted(levels.into(), "time"),
+                    100.0 * tolerance
+                )
+            });
         let words = format!(
-            "{} an element, elements every {}{cap}",
+            "{} an element, elements every {}{cap}{trees}",
             counted(settings.gather_rays as usize, "gather ray"),
             metres(layout.spacing_m)
         );

@@ -51,6 +51,8 @@ impl Component {
             Self::Radiosity => PlanOverrides {
                 element_spacing_m: None,
                 element_levels: None,
+                element_tolerance: None,
+                element_restricted: None,
                 gather_rays: None,
                 shadow_rays: None,
                 lookup: None,
