@@ -44,7 +44,7 @@ pub fn half_turned(image: &LinearImage) -> LinearImage {
     let (width, half) = (image.width.max(1), image.width / 2);
     LinearImage::from_fn(image.width, image.height, |x, y| {
         let after = image.at((x + half + image.width % 2) % width, y);
-        if image.width % 2 == 0 { after } else { 0.5 * (image.at((x + half) % width, y) + after) }
+        if image.width.is_multiple_of(2) { after } else { 0.5 * (image.at((x + half) % width, y) + after) }
     })
 }
 

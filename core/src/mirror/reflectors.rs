@@ -137,7 +137,7 @@ fn bent(geometry: &Geometry, farthest: f32) -> HashSet<u32> {
     let mut bent = HashSet::new();
     let mut doubtful = Vec::new();
     // For each corner of the doubtful the first plane's normal there, and whether another one turns away from it.
-    let mut joints: HashMap<(u32, u32, [[u32; 3]; 2]), (Vec3, bool)> = HashMap::new();
+    let mut joints: HashMap<CornerKey, (Vec3, bool)> = HashMap::new();
     for t in (0..geometry.len() as u32).filter(|&t| geometry.material_of(t).is_specular()) {
         let area_normal = geometry.area_normal(t);
         let normal = area_normal.normalize_or_zero();
@@ -168,8 +168,10 @@ fn bent(geometry: &Geometry, farthest: f32) -> HashSet<u32> {
     bent
 }
 
-/// Object, material, place and normal of a triangle's corners: what smoothly joined triangles share.
-fn corner_keys(geometry: &Geometry, t: u32) -> [(u32, u32, [[u32; 3]; 2]); 3] {
+/// Object, material, place and normal of a corner, to the bit: what smoothly joined triangles share.
+type CornerKey = (u32, u32, [[u32; 3]; 2]);
+
+fn corner_keys(geometry: &Geometry, t: u32) -> [CornerKey; 3] {
     let t = t as usize;
     // Plus zero: −0 is 0.
     let bits = |v: Vec3| (v + Vec3::ZERO).to_array().map(f32::to_bits);
