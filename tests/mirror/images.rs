@@ -200,13 +200,16 @@ fn the_nearest_samples_are_those_that_look_alike() {
     }
 }
 
+/// Runs of points, each with its points.
+type Runs = Vec<(Run, Vec<Point>)>;
+
 /// What a camera's only view may show of the samples' points, by image.
 fn runs<'a>(
     solution: &LightTransportSolution,
     images: &'a MirrorImages,
     camera: &Camera,
     size: UVec2,
-) -> (MirroredView, Vec<(Run, Vec<Point>)>, &'a [Vec<ImageWithDepth>]) {
+) -> (MirroredView, Runs, &'a [Vec<ImageWithDepth>]) {
     let geometry = &solution.world.geometry;
     let eye = Eye::new(camera, size.x as f32 / size.y as f32);
     let view = mirrored_views(geometry, &Reflectors::new(geometry), eye, 1)[0];
