@@ -235,7 +235,8 @@ impl Options {
     ) -> anyhow::Result<()> {
         let colours = made.colours(settings);
         let file = |end: &str| self.out.join(format!("{}{end}", row.id));
-        if !made.is_beside_the_scene() {
+        // A view that found nothing to mark is a picture too: it says so.
+        if !made.is_beside_the_scene() || (made.images.is_empty() && made.curves.is_empty()) {
             let page = ground.framed(row.title, made, &colours);
             png::write_png(&file(".png"), page.width as u32, page.height as u32, &page.pixels)?;
             eprintln!("{}", file(".png").display());
