@@ -162,7 +162,7 @@ fn trees_are_the_same_at_any_thread_count() {
 #[test]
 fn restricted_trees_step_by_one_level_across_edges() {
     let world = World::new(&hall());
-    let mut settings = settings(0.8, 3, 0.02);
+    let mut settings = settings(0.8, 4, 0.05);
     let steepest = |settings: &RadiositySettings| {
         let solution = solve(&world, settings);
         let trees = solution.transport().map.trees.iter().flatten();
