@@ -208,8 +208,7 @@ fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
     let camera = solution.scene.camera;
     let frame = |seed: u64| {
         let direct = DirectQuality::PerPixel(2);
-        let settings =
-            PassSettings { direct, frame: seed as u32, jitter: true, seed, ..PassSettings::default() };
+        let settings = PassSettings { direct, frame: seed as u32, jitter: true, seed };
         render(&solution, &camera, SIDE, SIDE, &settings).1
     };
     let frames: Vec<_> = (1..=FRAMES).map(frame).collect();
