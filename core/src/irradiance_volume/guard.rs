@@ -1,7 +1,7 @@
 //! What stands in the way of samples.
 //!
 //! A cell whose box no standing triangle meets is convex and empty, so all its samples see all its points. In
-//! any other cell what is seen from where is found by rays, once for each leaf of [`Sight`], and remembered.
+//! any other cell what is seen from where is found by rays, once for each of its leaves (`sight`), and remembered.
 
 use super::{
     Sample,

@@ -9,7 +9,7 @@
 //!
 //! Rays, and not distances remembered by the samples: the mean distance in a direction with Chebyshev's
 //! bound (Majercik et al. 2019) lets some per cent through and must blur over a bin 8° wide. What rays find is
-//! remembered, see [`guard`](super::guard) and [`sight`](super::sight).
+//! remembered, see [`guard`](super::guard) and `sight`.
 //!
 //! Limits: objects that can be moved do not hide samples, wherever they stand, so that an object is not
 //! hidden from the light by itself. Where a sample comes into sight, the interpolated light jumps.
