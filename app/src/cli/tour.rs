@@ -252,7 +252,7 @@ impl Tour {
         self.open(Example::Quadtrees)?;
         self.view(|view| view.views = vec!["radiosity.edges".to_owned()]);
         self.wait("the quadtrees", |app| app.session().inspection.is_some() && !app.is_busy())?;
-        self.photograph("radiosity.edges", GRAIN)?;
+        self.photograph("radiosity_quadtrees", GRAIN)?;
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
     }
