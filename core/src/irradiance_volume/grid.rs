@@ -272,7 +272,8 @@ fn along(q: f32, cells: f32) -> (f32, f32) {
     (cell, q - cell)
 }
 
-fn unflatten(index: u32, size: UVec3) -> UVec3 {
+/// Place of a number in a box of so many, x fastest.
+pub(super) fn unflatten(index: u32, size: UVec3) -> UVec3 {
     UVec3::new(index % size.x, index / size.x % size.y, index / (size.x * size.y))
 }
 

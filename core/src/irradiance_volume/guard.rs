@@ -5,7 +5,7 @@
 
 use super::{
     Sample,
-    grid::{BilevelGrid, NONE},
+    grid::{BilevelGrid, NONE, unflatten},
     overlap::triangle_meets_box,
     sight::{Look, Sight},
     trust::SampleState,
@@ -142,20 +142,16 @@ fn boxes(grid: &BilevelGrid, samples: &[Sample]) -> Vec<Watched> {
     };
     let inner = grid.inner();
     for (c, &second) in (0..).zip(grid.second()) {
-        let at = unflat(c, grid.size());
+        let at = unflatten(c, grid.size());
         if second == NONE {
             put(c, at, 1);
             continue;
         }
         for s in 0..inner.pow(3) {
-            put(second + s, at * inner + unflat(s, UVec3::splat(inner)), inner);
+            put(second + s, at * inner + unflatten(s, UVec3::splat(inner)), inner);
         }
     }
     cells
-}
-
-fn unflat(i: u32, size: UVec3) -> UVec3 {
-    UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y))
 }
 
 /// A triangle that meets a cell's box, and whether it meets the cell itself.
