@@ -9,29 +9,8 @@ use lumenscope_core::{
     radiosity::atlas::lookup,
     scene::{import, world::World},
 };
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-fn scene(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).display().to_string()
-}
-
-fn run(arguments: &[&str]) -> Result<(), String> {
-    let arguments = std::iter::once("lumenscope").chain(arguments.iter().copied());
-    lumenscope::cli::run(arguments.map(Into::into)).map_err(|error| format!("{error:#}"))
-}
-
-fn folder() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().to_path_buf();
-    (folder, path)
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
+use lumenscope_tests::command_line::{folder, run, scene, text};
+use std::{fs, path::Path};
 
 #[test]
 fn render_writes_picture_layers_and_report() {

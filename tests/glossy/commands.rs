@@ -7,29 +7,8 @@ use lumenscope_core::{
     scene::{import, world::World},
     superposition::plan::{Component, Plan},
 };
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-fn scene(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).display().to_string()
-}
-
-fn run(arguments: &[&str]) -> Result<(), String> {
-    let arguments = std::iter::once("lumenscope").chain(arguments.iter().copied());
-    lumenscope::cli::run(arguments.map(Into::into)).map_err(|error| format!("{error:#}"))
-}
-
-fn folder() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().to_path_buf();
-    (folder, path)
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
+use lumenscope_tests::command_line::{folder, run, scene, text};
+use std::{fs, path::Path};
 
 #[test]
 fn methods_are_judged_in_a_table_with_a_sheet() {

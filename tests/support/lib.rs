@@ -18,6 +18,7 @@ use lumenscope_core::{
 };
 use std::sync::Arc;
 
+pub mod command_line;
 pub mod golden;
 
 /// A rectangle with its front towards `edge_u × edge_v`.
