@@ -21,33 +21,6 @@ fn lobe_of(alpha: f32) -> u32 {
     return NONE;
 }
 
-fn ggx(normal: vec3f, h: vec3f, alpha: f32) -> f32 {
-    let c = dot(normal, h);
-    if c <= 0.0 {
-        return 0.0;
-    }
-    let a2 = alpha * alpha;
-    let s = cross(normal, h);
-    let d = c * c * a2 + dot(s, s);
-    return a2 / (PI * d * d);
-}
-
-fn smith(c: f32, alpha: f32) -> f32 {
-    let tan2 = max(1.0 - c * c, 0.0) / (c * c);
-    return 0.5 * (sqrt(1.0 + alpha * alpha * tan2) - 1.0);
-}
-
-// Twin of `Lobe::value` of GGX.
-fn ggx_value(normal: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let ci = dot(normal, wi);
-    let co = dot(normal, wo);
-    if ci <= 0.0 || co <= 0.0 {
-        return 0.0;
-    }
-    let h = normalize(wi + wo);
-    return ggx(normal, h, alpha) / ((1.0 + smith(ci, alpha) + smith(co, alpha)) * 4.0 * ci * co);
-}
-
 // Twin of `GlossyPoint`.
 struct GlossyPoint {
     from_eye: vec3f,

@@ -19,11 +19,18 @@ fn view_through(triangle: u32, seen_in: u32) -> u32 {
     return select(found, 0u, reflector == NONE);
 }
 
+// Whether a pixel's glossy layer is made of particles, elsewhere.
+fn is_by_particles(id: vec2u) -> bool {
+    let triangle = max(textureLoad(seen_triangles, id, 0).x, 1u) - 1u;
+    return views.by_particles != 0u && materials[triangles[triangle].material].alpha > 0.0;
+}
+
 // The view of a pixel that reflects, counted from 1; 0 where it has none, and NONE where it does not reflect.
 fn first_view(id: vec2u) -> u32 {
     let seen = textureLoad(seen_triangles, id, 0).x;
     let triangle = max(seen, 1u) - 1u;
-    let reflects = seen != 0u && id.x < frame.size.x && materials[triangles[triangle].material].alpha >= 0.0;
+    let reflects = seen != 0u && id.x < frame.size.x && materials[triangles[triangle].material].alpha >= 0.0
+        && !is_by_particles(id);
     return select(NONE, view_through(triangle, 0u), reflects);
 }
 
@@ -46,7 +53,9 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             layers[state + 7u] = select(0.0, f32(view), mirrored);
             if view == NONE {
                 store(pixel, 3u, vec3f(0.0));
-                store(pixel, 4u, vec3f(0.0));
+                if !(is_by_particles(vec2u(x, id.y)) && textureLoad(seen_triangles, vec2u(x, id.y), 0).x != 0u) {
+                    store(pixel, 4u, vec3f(0.0));
+                }
             }
         }
     }

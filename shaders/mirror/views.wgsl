@@ -19,8 +19,9 @@ struct MirroredViews {
     count: u32,
     // Nothing nearer to a reflector than this is seen in it, m.
     near: f32,
-    padding_0: u32,
-    padding_1: u32,
+    // Whether what is glossy is made of particles, and needs no view.
+    by_particles: u32,
+    padding: u32,
     list: array<MirroredView, 64>,
 }
 

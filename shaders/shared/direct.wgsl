@@ -129,9 +129,14 @@ struct AreaSample {
     seen: bool,
 }
 
-fn area_sample(tree_count: u32, emitter: EmitterInfo, receiver: Receiver, j: u32, scramble: u32) -> AreaSample {
-    let random = r2_point(j, scramble);
-    // Twin of `AreaEmitter::point`.
+struct EmitterPoint {
+    position: vec3f,
+    normal: vec3f,
+    radiance: vec3f,
+}
+
+// Twin of `AreaEmitter::point`.
+fn emitter_point(emitter: EmitterInfo, random: vec2f) -> EmitterPoint {
     let wanted = random.x * emitter.area;
     var low = 0u;
     var high = emitter.count;
@@ -163,19 +168,23 @@ fn area_sample(tree_count: u32, emitter: EmitterInfo, receiver: Receiver, j: u32
         let uv = vec2f(a.u, a.v) * w + vec2f(b.u, b.v) * u + vec2f(c.u, c.v) * v;
         radiance *= sample_repeat(materials[triangles[chosen.triangle].material].emission_texture, uv);
     }
+    return EmitterPoint(position, normal, radiance);
+}
 
-    let to_light = position - receiver.position;
+fn area_sample(tree_count: u32, emitter: EmitterInfo, receiver: Receiver, j: u32, scramble: u32) -> AreaSample {
+    let point = emitter_point(emitter, r2_point(j, scramble));
+    let to_light = point.position - receiver.position;
     let d2 = dot(to_light, to_light);
     let wi = to_light / sqrt(d2);
     let cosine = dot(receiver.normal, wi);
-    let facing = -dot(normal, wi);
+    let facing = -dot(point.normal, wi);
     let cosine_light = select(facing, abs(facing), (emitter.flags & DOUBLE_SIDED) != 0u);
     if !(d2 > 0.0) || cosine <= 0.0 || cosine_light <= 0.0 {
         return AreaSample(0.0, vec3f(0.0), false);
     }
-    let end = offset_origin(position, normal * sign(facing));
+    let end = offset_origin(point.position, point.normal * sign(facing));
     let seen = !occluded(tree_count, receiver.origin, end - receiver.origin, 1.0 - 1e-4);
-    return AreaSample(cosine * cosine_light / d2, radiance, seen);
+    return AreaSample(cosine * cosine_light / d2, point.radiance, seen);
 }
 
 fn spot_falloff(emitter: EmitterInfo, from_lamp: vec3f) -> f32 {

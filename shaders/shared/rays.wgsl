@@ -11,7 +11,8 @@ struct Node {
 
 struct TreeTriangle {
     a: vec3f,
-    padding_0: u32,
+    // Its number in the scene.
+    number: u32,
     b: vec3f,
     padding_1: u32,
     c: vec3f,
@@ -85,8 +86,9 @@ fn shear_of(direction: vec3f) -> Shear {
     return Shear(z, vec3f(d.x / d.z, d.y / d.z, 1.0 / d.z));
 }
 
-// Twin of `Shear::intersect`, without its repeat in f64 on the edges: those rays hit either triangle.
-fn meets_triangle(i: u32, origin: vec3f, shear: Shear, t_max: f32) -> bool {
+// Twin of `Shear::intersect`, without its repeat in f64 on the edges: those rays hit either triangle. Negative where a
+// triangle is not met before t_max.
+fn triangle_distance(i: u32, origin: vec3f, shear: Shear, t_max: f32) -> f32 {
     let corner = tree_triangles[i];
     let a = permute(corner.a - origin, shear.z);
     let b = permute(corner.b - origin, shear.z);
@@ -98,14 +100,14 @@ fn meets_triangle(i: u32, origin: vec3f, shear: Shear, t_max: f32) -> bool {
     let v = pa.x * pc.y - pa.y * pc.x;
     let w = pb.x * pa.y - pb.y * pa.x;
     if min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0 {
-        return false;
+        return -1.0;
     }
     let determinant = u + v + w;
     if determinant == 0.0 {
-        return false;
+        return -1.0;
     }
     let t = (u * a.z + v * b.z + w * c.z) * shear.shear.z / determinant;
-    return t >= 0.0 && t < t_max;
+    return select(-1.0, t, t >= 0.0 && t < t_max);
 }
 
 fn tree_occluded(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_max: f32) -> bool {
@@ -126,7 +128,7 @@ fn tree_occluded(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_max:
         if meets_box(node, origin, inverse, t_max) {
             if node.count > 0u {
                 for (var i = node.first; i < node.first + node.count; i++) {
-                    if meets_triangle(i, origin, shear, t_max) {
+                    if triangle_distance(i, origin, shear, t_max) >= 0.0 {
                         return true;
                     }
                 }

@@ -19,7 +19,7 @@ fn methods_are_judged_in_a_table_with_a_sheet() {
     let table = fs::read_to_string(out.join("glossy.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
     // Every method, the kernel in full, particles with straight light and without.
-    assert_eq!(rows.len(), 1 + GlossyMethod::ALL.len() + 1 + 2);
+    assert_eq!(rows.len(), 1 + GlossyMethod::OF_IMAGE.len() + 1 + 2);
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{table}");
     let rel_mse = |name: &str| {
         let row = rows.iter().find(|row| row[1] == name).unwrap();
@@ -112,6 +112,11 @@ fn render_takes_the_method_and_the_report_says_which() {
         }
     }
     assert!(found[2].1.contains("one kernel a reflector"), "{}", found[2].1);
+    let (_keep, out) = folder();
+    let few = ["--glossy", "particles", "--particles", "1000", "--size", "32x18", "--backend", "cpu"];
+    run(&[&["render", &teapot, "--out", text(&out)][..], &few].concat()).unwrap();
+    let report = fs::read_to_string(out.join("report.json")).unwrap();
+    assert!(report.contains("\"1000 particles of light"), "{report}");
 }
 
 #[test]

@@ -3,5 +3,6 @@
 mod commands;
 mod environment;
 mod kernels;
+mod particle_light;
 mod particles;
 mod teapot;

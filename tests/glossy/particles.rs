@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 use lumenscope_core::{
     glossy::particles::{
         inspect::density,
-        pass::{DirectLobes, glossy_layer},
+        pass::glossy_layer,
         splat::{SplatMap, SplatSettings, gaussian},
         trace::Particles,
     },
@@ -284,14 +284,13 @@ fn with_straight_light_apart_or_not_a_floor_shines_as_the_path_tracer_says() {
     };
     let means: Vec<DVec3> = (0..8).map(|seed| paths(100 + seed, 32).mean().as_dvec3()).collect();
     let (wanted, picture) = (Estimate::from_values(&means), paths(7, 512));
-    let direct = DirectLobes::new(&world, 16);
     let find = |radius_m: f32, apart: bool, seed: u64| {
         let settings = PassSettings { frame: seed as u32, jitter: true, ..PassSettings::default() };
         let buffer = GBuffer::new(&world, &scene.camera, size.into(), settings.subpixel());
         let least_bounces = u32::from(apart);
         let splats = SplatSettings { radius_m: Some(radius_m), least_bounces, ..SplatSettings::default() };
         let map = SplatMap::new(&world, &traced(&world, 100_000, seed), &splats);
-        glossy_layer(&world, &map, apart.then_some(&direct), &buffer, &scene.camera, &settings)
+        glossy_layer(&world, &map, apart.then_some(16), &buffer, &scene.camera, &settings)
     };
     for apart in [false, true] {
         // So small a Gaussian leaves the mean as it is: what is blurred out of the picture is blurred into it.

@@ -155,6 +155,7 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
         scene: Arc::new(scene),
         environments: Arc::new(Environments::new(&world, &radiosity)),
         mirror_images: None,
+        particles: None,
         world: Arc::new(world),
         radiosity: Arc::new(radiosity),
         volume: Some(Arc::new(volume)),

@@ -3,6 +3,7 @@
 mod display;
 mod layers;
 mod mirrored;
+mod particles;
 mod programs;
 mod structures;
 

@@ -93,7 +93,16 @@ fn structures_have_the_same_layout_on_both_sides() {
     same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
     same_layout!(GLOSSY, "MeasuredReflectors", glossy_gpu::MeasuredReflectors, list, count, padding);
     same_layout!(GLOSSY, "KernelInfo", glossy_gpu::KernelInfo, level, radius, known, padding, weights);
-    same_layout!(MIRROR_FOLLOW, "MirroredViews", view_table::ViewTable, count, near, padding, list);
+    same_layout!(
+        MIRROR_FOLLOW,
+        "MirroredViews",
+        view_table::ViewTable,
+        count,
+        near,
+        by_particles,
+        padding,
+        list
+    );
     same_layout!(SHADE, "Corner", tables::Corner, position, u, normal, v);
     same_layout!(SHADE, "TriangleInfo", tables::TriangleInfo, material, object, reflector, environment);
     same_layout!(SHADE, "ObjectInfo", tables::ObjectInfo, dimmer, moved_first, first_triangle, stored_direct);
@@ -114,7 +123,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     );
     same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
     same_layout!(SHADE, "Node", tables::Node, low, count, high, first);
-    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, padding_0, b, padding_1, c, padding_2);
+    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, number, b, padding_1, c, padding_2);
     same_layout!(SHADE, "Tree", tables::Tree, rows, root, node_count, padding);
     same_layout!(
         SHADE,

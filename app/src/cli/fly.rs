@@ -4,7 +4,10 @@ use super::{Common, fly_path::Walk, fly_report, parse_glossy, parse_size, render
 use anyhow::{Context, bail};
 use clap::Args;
 use lumenscope_core::{
-    glossy::GlossyMethod,
+    glossy::{
+        GlossyMethod,
+        particles::light::{PARTICLES, ParticleLight},
+    },
     gpu::{FrameSettings, GpuContext, GpuRenderer, Stage, StageClock},
     math::progress::Progress,
     mirror::{MirrorMethod, MirrorSettings, images::MirrorImages, reflectors::Reflectors},
@@ -34,8 +37,8 @@ pub struct Options {
     /// Numbers of reflectors that reflect, the largest first: `5`, `0,5` or `0..5`.
     #[arg(long, default_value = "0..5", value_parser = parse_counts)]
     reflectors: Counts,
-    /// Convolve what glossy surfaces mirror, by this method: variant, invariant (the default) or sharp. Without it
-    /// they mirror sharply.
+    /// Convolve what glossy surfaces mirror, by this method: variant, variant_half, invariant (the default) or sharp; or
+    /// make it of particles. Without it they mirror sharply.
     #[arg(long, value_parser = parse_glossy, num_args = 0..=1, default_missing_value = "invariant")]
     pub(super) glossy: Option<GlossyMethod>,
     /// Mirrors that light is followed through; the scene's plan by default.
@@ -153,6 +156,13 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             LightTransportSolution { mirror_images: Some(Arc::new(images)), ..solution }
         }
         false => solution,
+    };
+    let solution = match options.glossy {
+        Some(GlossyMethod::Particles) => {
+            let sent = ParticleLight::new(&solution.world, PARTICLES, common.seed, &Progress::silent())?;
+            LightTransportSolution { particles: Some(Arc::new(sent)), ..solution }
+        }
+        _ => solution,
     };
     let context = GpuContext::headless_with(StageClock::FEATURES)?;
     let timed = StageClock::new(&context.device, &context.queue).is_some();

@@ -113,7 +113,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let judge = Judge::new(&solution, options, common.seed)?;
         table.begin(roughness, &judge)?;
         let mut sheet = Sheet::new(&judge, roughness);
-        for method in GlossyMethod::ALL {
+        for method in GlossyMethod::OF_IMAGE {
             let picture = picture(&solution, method, options, common.seed)?;
             let milliseconds = cost(&solution, method, options.size, common.seed);
             table.row(roughness, method.name(), &picture, &judge, [milliseconds, 0.0])?;

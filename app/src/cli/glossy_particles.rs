@@ -3,7 +3,7 @@
 use anyhow::Result;
 use lumenscope_core::{
     glossy::particles::{
-        pass::{DirectLobes, glossy_layer},
+        pass::{LEAST_SAMPLES, glossy_layer},
         splat::{SplatMap, SplatSettings},
         trace::Particles,
     },
@@ -12,9 +12,6 @@ use lumenscope_core::{
     superposition::{PassSettings, gbuffer::GBuffer},
 };
 use std::time::Instant;
-
-/// Samples of straight light a pixel and frame, as many as of its diffuse reflection.
-const SAMPLES: u32 = 4;
 
 /// What is wanted of particles.
 pub struct Wanted<'a> {
@@ -46,7 +43,6 @@ pub struct Row {
 pub fn rows(world: &World, camera: &Camera, wanted: &Wanted) -> Result<Vec<Row>> {
     let mut particles = Particles::new(world, wanted.seed);
     let (mut rows, mut traced_seconds) = (Vec::new(), 0.0);
-    let direct = DirectLobes::new(world, SAMPLES);
     for &count in wanted.counts {
         let start = Instant::now();
         super::solve::watched(|progress| particles.trace(world, count, progress))?;
@@ -56,7 +52,7 @@ pub fn rows(world: &World, camera: &Camera, wanted: &Wanted) -> Result<Vec<Row>>
             let settings = SplatSettings { scale: wanted.scale, least_bounces, ..SplatSettings::default() };
             let map = SplatMap::new(world, &particles, &settings);
             let build_seconds = traced_seconds + start.elapsed().as_secs_f64();
-            let apart = (least_bounces > 0).then_some(&direct);
+            let apart = (least_bounces > 0).then_some(LEAST_SAMPLES);
             let (picture, milliseconds) = mean(world, camera, &map, apart, wanted);
             rows.push(Row { name: format!("{name} {count}"), picture, milliseconds, build_seconds });
         }
@@ -69,7 +65,7 @@ fn mean(
     world: &World,
     camera: &Camera,
     map: &SplatMap,
-    direct: Option<&DirectLobes>,
+    straight: Option<u32>,
     wanted: &Wanted,
 ) -> (LinearImage, f64) {
     let mut sum = LinearImage::new(wanted.size[0], wanted.size[1]);
@@ -79,7 +75,7 @@ fn mean(
             PassSettings { frame, jitter: wanted.frames > 1, seed: wanted.seed, ..PassSettings::default() };
         let buffer = GBuffer::new(world, camera, wanted.size.into(), settings.subpixel());
         let start = Instant::now();
-        let layer = glossy_layer(world, map, direct, &buffer, camera, &settings);
+        let layer = glossy_layer(world, map, straight, &buffer, camera, &settings);
         seconds += start.elapsed().as_secs_f64();
         let share = 1.0 / wanted.frames as f32;
         sum.pixels.iter_mut().zip(&layer.pixels).for_each(|(sum, pixel)| *sum += *pixel * share);

@@ -5,7 +5,7 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumenscope_core::{
-    glossy::GlossyMethod,
+    glossy::{GlossyMethod, particles::light},
     gpu,
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
@@ -50,10 +50,14 @@ pub struct Options {
     /// How light stored on surfaces is looked up between its nodes; as the plan has it by default.
     #[arg(long, value_enum)]
     lookup: Option<LookupName>,
-    /// How glossy flat surfaces blur what they mirror: variant (a kernel a pixel), invariant (one a reflector) or sharp
-    /// (not at all); as the plan has it by default.
+    /// How glossy flat surfaces blur what they mirror: variant (a kernel a pixel), variant_half (a kernel every second
+    /// pixel of every second row), invariant (one a reflector) or sharp (not at all); or particles of light on whatever
+    /// is glossy. As the plan has it by default.
     #[arg(long, value_parser = parse_glossy)]
     glossy: Option<GlossyMethod>,
+    /// Particles sent by all emitters for `--glossy particles`; as the plan has it by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(light::MOST_PARTICLES)))]
+    particles: Option<u32>,
     /// Where what flat mirrors show comes from; as the plan has it by default.
     #[arg(long, value_enum)]
     mirrors: Option<MirrorsName>,
@@ -123,9 +127,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             LookupName::Mitchell => Lookup::Mitchell,
         });
     }
-    if options.glossy.is_some() || options.mirrors.is_some() {
+    if options.glossy.is_some() || options.mirrors.is_some() || options.particles.is_some() {
         let scene = Arc::make_mut(&mut loaded.scene);
         scene.plan.glossy = options.glossy.or(scene.plan.glossy);
+        scene.plan.glossy_particles = options.particles.or(scene.plan.glossy_particles);
         let mirrors = options.mirrors.map(|name| match name {
             MirrorsName::Geometry => MirrorMethod::Geometry,
             MirrorsName::Images => MirrorMethod::Images,

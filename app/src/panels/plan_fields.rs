@@ -3,7 +3,7 @@
 use crate::session::Session;
 use egui::{DragValue, Ui};
 use lumenscope_core::{
-    glossy::GlossyMethod,
+    glossy::{GlossyMethod, particles::light},
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::{IMAGES, MOST_IMAGES, MirrorMethod, MirrorSettings},
     radiosity::{RadiositySettings, lookup::Lookup, subdivide::Subdivision, surface_map::ElementLayout},
@@ -93,6 +93,14 @@ pub fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, sessi
         }
         Component::Glossy => {
             choice(ui, "Convolution", GLOSSY, &mut over.glossy, GlossyMethod::ALL.map(|m| (m, m.name())));
+            count(
+                ui,
+                "Particles",
+                "Particles of light sent by all emitters, where what is glossy is made of them",
+                &mut over.glossy_particles,
+                light::PARTICLES,
+                1..=light::MOST_PARTICLES,
+            );
         }
         Component::IrradianceVolume => volume(ui, over, session),
     }
@@ -215,7 +223,8 @@ const RESTRICTED: &str = "Cells that share an edge differ by one level at most";
 const LOOKUP: &str = "Between the nodes of a grid, in pictures: bilinear between four, or Mitchell and \
                       Netravali's bicubic over 4 × 4, without creases. Nothing is solved again";
 const GLOSSY: &str = "How glossy flat surfaces blur what they mirror: by a kernel of its own for every pixel, by \
-                      one a reflector, or not at all. Nothing is solved again";
+                      one a reflector, or not at all; nothing is solved again. Or particles of light, sent once, on \
+                      whatever is glossy";
 const MIRRORS: &str = "What flat mirrors show: the geometry seen from the mirrored eye, or images-with-depth taken \
                        beforehand, whose price is that of their pixels whatever the scene";
 const BASIS: &str = "What a query reads: 2n² bins, bilinear or the nearest, or nine spherical-harmonic \

@@ -137,7 +137,7 @@ impl<'a> GlossyFrame<'a> {
     /// has it where a pixel is not glossy.
     pub fn scattered(&self, method: GlossyMethod) -> Vec<Vec3> {
         match method {
-            GlossyMethod::Sharp => self.image.radiance.clone(),
+            GlossyMethod::Sharp | GlossyMethod::Particles => self.image.radiance.clone(),
             GlossyMethod::Variant => {
                 let pyramid = self.pyramid();
                 self.at_every_pixel(|pixel| self.gathered(&pyramid, pixel))

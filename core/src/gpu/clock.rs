@@ -14,7 +14,7 @@ pub enum Stage {
     MirroredVisibility,
     /// What they send to the mirrors.
     MirroredShading,
-    /// Convolution of the mirror image.
+    /// Convolution of the mirror image, or the sum of particles.
     Convolution,
     /// Reflectance times what arrives.
     Modulation,

@@ -74,6 +74,8 @@ pub(crate) struct SceneTables {
     lobes: Lobes,
     blocks: Blocks,
     indices: wgpu::Buffer,
+    /// Particles on glossy surfaces, as [`SplatMap::table`](crate::glossy::particles::splat::SplatMap::table) has them.
+    pub(crate) particles: Storage,
     general: bool,
     /// Whether what a view cannot show is left out.
     pub(crate) culling: bool,
@@ -113,6 +115,7 @@ impl SceneTables {
             reflectors: Reflectors::default(),
             blocks: Blocks::default(),
             indices: index_buffer(device, &[]),
+            particles: Storage::new(device, "particles"),
             general: true,
             culling: true,
             layout: layout_all,
@@ -263,6 +266,11 @@ impl SceneTables {
         }
         if known.is_none_or(|last| !Arc::ptr_eq(&last.environments, environments)) {
             write.table(Table::Environments, &tables::environments(environments))?;
+        }
+        if let Some(light) = solution.particle_light()
+            && !known.and_then(|last| last.particle_light()).is_some_and(|last| Arc::ptr_eq(last, light))
+        {
+            self.particles.write(device, queue, &light.map.table())?;
         }
         self.counts = [emitters.len() as u32, trees.len() as u32];
         if renewed {

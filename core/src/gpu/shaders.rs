@@ -92,10 +92,29 @@ pub const GLOSSY: Program = Program {
         wgsl!("shared/reflection.wgsl"),
         wgsl!("mirror/views.wgsl"),
         wgsl!("glossy/lobes.wgsl"),
+        wgsl!("glossy/ggx.wgsl"),
         wgsl!("glossy/pyramid.wgsl"),
         wgsl!("glossy/convolve.wgsl"),
         wgsl!("glossy/invariant.wgsl"),
         wgsl!("glossy/half.wgsl"),
+    ],
+};
+
+/// The glossy layer by particles.
+pub const PARTICLES: Program = Program {
+    name: "particles",
+    files: &[
+        wgsl!("shared/random.wgsl"),
+        wgsl!("shared/frame.wgsl"),
+        wgsl!("shared/scene.wgsl"),
+        wgsl!("shared/reflection.wgsl"),
+        wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/direct.wgsl"),
+        wgsl!("shared/elements.wgsl"),
+        wgsl!("glossy/environment.wgsl"),
+        wgsl!("superposition/terms.wgsl"),
+        wgsl!("glossy/ggx.wgsl"),
+        wgsl!("glossy/particles.wgsl"),
     ],
 };
 
@@ -121,8 +140,17 @@ pub const INSPECTION: Program = Program {
 };
 
 /// Every program.
-pub const ALL: [Program; 8] =
-    [VISIBILITY, SHADE, MIRROR_VISIBILITY, MIRROR_FOLLOW, MIRROR_SPLAT, GLOSSY, COMPOSITE, INSPECTION];
+pub const ALL: [Program; 9] = [
+    VISIBILITY,
+    SHADE,
+    MIRROR_VISIBILITY,
+    MIRROR_FOLLOW,
+    MIRROR_SPLAT,
+    GLOSSY,
+    PARTICLES,
+    COMPOSITE,
+    INSPECTION,
+];
 
 /// Overridable constants of the programs that shade.
 ///

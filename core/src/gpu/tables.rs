@@ -123,8 +123,8 @@ pub struct Node {
 pub struct TreeTriangle {
     /// Corner 0.
     pub a: Vec3,
-    /// Nothing.
-    pub padding_0: u32,
+    /// Its number in the scene.
+    pub number: u32,
     /// Corner 1.
     pub b: Vec3,
     /// Nothing.
@@ -335,7 +335,14 @@ pub fn tree_nodes(accel: &Accel) -> (Vec<Node>, Vec<TreeTriangle>) {
             high: n.bounds[1],
             first: n.first + if n.count > 0 { triangle_base } else { node_base },
         }));
-        triangles.extend(tree.triangles().map(|[a, b, c]| TreeTriangle { a, b, c, ..Default::default() }));
+        let numbered = tree.triangles().zip(tree.numbers());
+        triangles.extend(numbered.map(|([a, b, c], number)| TreeTriangle {
+            a,
+            number,
+            b,
+            c,
+            ..Default::default()
+        }));
     }
     (nodes, triangles)
 }

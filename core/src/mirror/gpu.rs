@@ -13,7 +13,7 @@ use super::{
     views::{Eye, MirroredView, NEAR, Rectangle, mirrored_views},
     work::{List, RUN, Work},
 };
-use crate::glossy::{GlossyMethod, gpu::GlossyPasses};
+use crate::glossy::{GlossyMethod, gpu::GlossyPasses, particles::gpu::ParticlePass};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
@@ -42,6 +42,8 @@ pub struct MirrorPasses {
     canvas: Canvas,
     /// Passes of what is glossy, made when something first is.
     glossy: Option<GlossyPasses>,
+    /// The pass that sums particles, made when what is glossy first is made of them.
+    particles: Option<ParticlePass>,
     /// Passes of images-with-depth, made when mirrors are first shown from them.
     images: Option<ImagePasses>,
     views_drawn: usize,
@@ -115,6 +117,7 @@ impl MirrorPasses {
             reflect_wide,
             canvas,
             glossy: None,
+            particles: None,
             images: None,
             views_drawn: 0,
         }
@@ -162,7 +165,13 @@ impl MirrorPasses {
             images.choose((device, queue), solution, scene, &views, targets.size)
         });
         let near = NEAR * scene.reflectors().scene_size;
-        let mut table = ViewTable { count: views.len() as u32, near, ..ViewTable::zeroed() };
+        let by_particles = solution.particle_light().is_some();
+        let mut table = ViewTable {
+            count: views.len() as u32,
+            near,
+            by_particles: by_particles.into(),
+            ..ViewTable::zeroed()
+        };
         for (entry, view) in table.list.iter_mut().zip(&views) {
             *entry = ViewInfo::new(view);
         }
@@ -189,7 +198,7 @@ impl MirrorPasses {
             self.work_off(encoder, follow, [&scene.group, group], list);
             mark(clock, encoder, Stage::MirroredShading);
         }
-        let method = solution.scene.plan.glossy.unwrap_or_default();
+        let method = solution.glossy_of_image();
         if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
             let glossy =
                 self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
@@ -210,6 +219,13 @@ impl MirrorPasses {
         let reflect_wide = &self.reflect_wide[usize::from(scene.is_general())];
         self.work_off(encoder, reflect_wide, groups, List::WithoutView);
         mark(clock, encoder, Stage::Modulation);
+        if by_particles {
+            let pass = self.particles.get_or_insert_with(|| ParticlePass::new(device, scene));
+            pass.record(device, encoder, scene, (frame, targets));
+            mark(clock, encoder, Stage::Convolution);
+        } else {
+            self.particles = None;
+        }
     }
 
     /// Shows the views of depth 1 from images-with-depth.

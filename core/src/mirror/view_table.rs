@@ -55,8 +55,10 @@ pub struct ViewTable {
     pub count: u32,
     /// Nothing nearer to a reflector than this is seen in it, m.
     pub near: f32,
+    /// Whether what is glossy is made of particles, and needs no view.
+    pub by_particles: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
     /// The views.
     pub list: [ViewInfo; MOST_VIEWS],
 }

@@ -53,11 +53,6 @@ pub struct Automaton {
 }
 
 impl Automaton {
-    /// What one specular surface reflects of straight light, `LSE`, is output 0; nothing else counts.
-    pub fn highlights() -> Self {
-        Self { next: vec![[None, Some(1)], [None, None]], counts_as: vec![None, Some(0)] }
-    }
-
     /// The terms of the picture: 0 emitted `LE`, 1 direct `LDE`, 2 indirect `L(D|S)+DE`, 3 specular `L(D|S)*SE`.
     pub fn terms() -> Self {
         let to = |d: u8, s: u8| [Some(d), Some(s)];

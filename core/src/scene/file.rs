@@ -144,8 +144,10 @@ pub struct PlanOverrides {
     pub mirrors: Option<MirrorMethod>,
     /// Images-with-depth an element that stand for a mirrored view.
     pub mirror_images: Option<u32>,
-    /// How the layer `glossy` is made of the mirror image.
+    /// How the layer `glossy` is made.
     pub glossy: Option<GlossyMethod>,
+    /// Particles of light that it is made of where it is made of them.
+    pub glossy_particles: Option<u32>,
     /// Whether an irradiance volume is built.
     pub volume: Option<bool>,
     /// Samples along each axis of the volume's first level.
@@ -211,6 +213,7 @@ impl PlanOverrides {
             ("shadow_rays", self.shadow_rays),
             ("direct_samples", self.direct_samples),
             ("mirror_images", self.mirror_images),
+            ("glossy_particles", self.glossy_particles),
             ("volume_second_level", self.volume_second_level),
             ("volume_bins_n", self.volume_bins_n),
             ("volume_samples", self.volume_samples.map(|s| s[0].min(s[1]).min(s[2]))),

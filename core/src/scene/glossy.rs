@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How the layer `glossy` is made of the mirror image.
+/// How the layer `glossy` is made: of the mirror image, or of particles of light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GlossyMethod {
@@ -15,11 +15,17 @@ pub enum GlossyMethod {
     Invariant,
     /// No convolution: the mirror image.
     Sharp,
+    /// In object space: particles of light on glossy surfaces, flat or curved, straight light apart (§7.3).
+    Particles,
 }
 
 impl GlossyMethod {
     /// Every method.
-    pub const ALL: [Self; 4] = [Self::Variant, Self::VariantHalf, Self::Invariant, Self::Sharp];
+    pub const ALL: [Self; 5] =
+        [Self::Variant, Self::VariantHalf, Self::Invariant, Self::Sharp, Self::Particles];
+
+    /// Those that make it of the mirror image.
+    pub const OF_IMAGE: [Self; 4] = [Self::Variant, Self::VariantHalf, Self::Invariant, Self::Sharp];
 
     /// What it does, for the plan.
     pub fn words(self) -> &'static str {
@@ -28,6 +34,7 @@ impl GlossyMethod {
             Self::VariantHalf => "a kernel of its own for every second pixel of every second row",
             Self::Invariant => "one kernel a reflector",
             Self::Sharp => "no convolution",
+            Self::Particles => "particles of light in object space, straight light at every pixel",
         }
     }
 
@@ -38,6 +45,7 @@ impl GlossyMethod {
             Self::VariantHalf => "variant_half",
             Self::Invariant => "invariant",
             Self::Sharp => "sharp",
+            Self::Particles => "particles",
         }
     }
 }

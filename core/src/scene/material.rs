@@ -91,7 +91,16 @@ impl Material {
 
     /// What it does to light at texture coordinates.
     pub fn brdf_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Brdf {
-        let base = self.reflectance_at(uv, textures);
+        self.brdf_of(self.reflectance_at(uv, textures))
+    }
+
+    /// Whether it has a specular lobe that is no ideal mirror's.
+    pub fn is_glossy(&self) -> bool {
+        self.alpha().is_some_and(|alpha| alpha > 0.0)
+    }
+
+    /// What it does to light where its base colour is this.
+    pub fn brdf_of(&self, base: Vec3) -> Brdf {
         let specular = self.alpha().map(|alpha| Specular {
             metal: base,
             metallic: self.metallic.clamp(0.0, 1.0),

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     glossy::{
-        GlossyMethod,
+        GlossyMethod, particles,
         pass::{GlossyFrame, Lobes, lobes},
     },
     math::{
@@ -114,6 +114,18 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
             reflect(&frame, shading, camera, &mut shaded);
         }
     }
+    if let Some(light) = solution.particle_light() {
+        let straight = Some(particles::pass::straight_samples(settings.direct));
+        shaded.par_iter_mut().enumerate().for_each(|(pixel, out)| {
+            let Some(surface) = buffer.surface(&solution.world, camera, pixel) else { return };
+            let (world, scramble) = (&solution.world, settings.scramble(pixel as u32));
+            let reflected =
+                particles::pass::reflected(world, &light.map, straight, &surface, camera.eye, scramble);
+            if let Some(glossy) = reflected {
+                out[Layer::Glossy as usize] = glossy;
+            }
+        });
+    }
     let mut layers = Layers::new(width, height);
     for (i, image) in layers.images.iter_mut().enumerate() {
         image.pixels = shaded.iter().map(|p| p[i]).collect();
@@ -126,7 +138,7 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
 fn reflect(frame: &GlossyFrame, shading: &Shading, camera: &Camera, shaded: &mut [[Vec3; COUNT]]) {
     use rayon::prelude::*;
     let world = &shading.solution.world;
-    let method = shading.solution.scene.plan.glossy.unwrap_or_default();
+    let method = shading.solution.glossy_of_image();
     let radiance = if frame.lobes.is_empty() { None } else { Some(frame.scattered(method)) };
     let radiance = radiance.as_ref().unwrap_or(&frame.image.radiance);
     let mirrored = |pixel: usize| frame.image.reflector[pixel] != NO_REFLECTOR;

@@ -11,7 +11,7 @@ mod component;
 pub use component::{Component, ExpectedError, PlanLine};
 
 use crate::{
-    glossy::{GlossyMethod, environment, pass::MOST_LOBES},
+    glossy::{GlossyMethod, environment, particles::light, pass::MOST_LOBES},
     irradiance_volume::VolumeSettings,
     mirror::{MOST_VIEWS, MirrorSettings, images::MirrorImages, reflectors::Reflectors},
     radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
@@ -240,6 +240,17 @@ impl Needs<'_> {
     }
 
     fn glossy(&self) -> PlanLine {
+        if let Some(count) = light::wanted(self.over, &self.world.geometry) {
+            let words = format!("{count} {}", GlossyMethod::Particles.words());
+            let reason = "asked for".into();
+            return PlanLine {
+                expected_error: ExpectedError::Unknown,
+                error_basis:
+                    "lobes narrower than what lights them need very many particles; edges lose light".into(),
+                expected_seconds: 3.0 * f64::from(count) / RAYS_PER_SECOND,
+                ..self.line(Component::Glossy, true, words, reason)
+            };
+        }
         let reflectors = Reflectors::new(&self.world.geometry);
         let alpha_of = |material: u32| {
             let alpha = self.world.geometry.materials[material as usize].alpha();

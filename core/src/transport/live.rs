@@ -14,7 +14,10 @@ use super::{
     solution::{Provenance, State},
 };
 use crate::{
-    glossy::environment::{Environments, LOBE_DIRECTIONS},
+    glossy::{
+        environment::{Environments, LOBE_DIRECTIONS},
+        particles::light::{self, ParticleLight},
+    },
     irradiance_volume::{
         IrradianceVolume, VolumeError, VolumeSettings,
         dynamic_object::{Detail, DynamicObject},
@@ -158,6 +161,7 @@ impl LiveTransport {
             guests: Arc::default(),
             environments: Arc::default(),
             mirror_images: None,
+            particles: None,
             detail: Detail::Fine,
             gloss: None,
             provenance,
@@ -180,6 +184,13 @@ impl LiveTransport {
             let start = Instant::now();
             current.mirror_images = Some(Arc::new(MirrorImages::automatic(&current.world, progress)?));
             stage("mirror", start, &mut current.provenance);
+        }
+        if let Some(count) = light::wanted(&scene.plan, &current.world.geometry) {
+            show(&current);
+            let start = Instant::now();
+            let seed = settings.radiosity.seed;
+            current.particles = Some(Arc::new(ParticleLight::new(&current.world, count, seed, progress)?));
+            stage("glossy", start, &mut current.provenance);
         }
         if let Some(volume) = &settings.volume {
             show(&current);
@@ -219,6 +230,9 @@ impl LiveTransport {
         self.current.scene = scene;
         self.current.world = Arc::new(world);
         self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS, &relit);
+        if let Some(particles) = &self.current.particles {
+            self.current.particles = Some(Arc::new(particles.followed(&self.current.world)));
+        }
         for target in relit {
             if !self.coarse.contains(&target) {
                 self.coarse.push(target);
@@ -238,8 +252,14 @@ impl LiveTransport {
     /// # Errors
     /// [`SolveError`] when the new transport fails or is cancelled; the current solution stays.
     pub fn refine(&mut self, progress: &Progress) -> Result<Option<&LightTransportSolution>, SolveError> {
-        if std::mem::take(&mut self.unsettled) {
+        if self.unsettled {
             let start = Instant::now();
+            if let Some(particles) = &self.current.particles {
+                let world = &self.current.world;
+                let count = light::wanted(&self.current.scene.plan, &world.geometry).unwrap_or(1);
+                self.current.particles = Some(Arc::new(particles.settled(world, count, progress)?));
+            }
+            self.unsettled = false;
             let mut targets = std::mem::take(&mut self.coarse);
             if targets.iter().any(|t| matches!(t, Target::Object(_))) {
                 targets = self.all_emitters();

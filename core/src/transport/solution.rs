@@ -2,7 +2,7 @@
 
 use super::guests::Guest;
 use crate::{
-    glossy::environment::Environments,
+    glossy::{GlossyMethod, environment::Environments, particles::light::ParticleLight},
     irradiance_volume::{
         IrradianceVolume,
         dynamic_object::{Detail, DynamicObject, Gloss},
@@ -40,6 +40,8 @@ pub struct LightTransportSolution {
     pub environments: Arc<Environments>,
     /// What flat reflectors mirror, if the plan shows it from images-with-depth; it holds whatever the light.
     pub mirror_images: Option<Arc<MirrorImages>>,
+    /// Light on glossy surfaces as particles, if the plan makes their layer of it.
+    pub particles: Option<Arc<ParticleLight>>,
     /// How finely the moved objects ask the volume.
     pub detail: Detail,
     /// How the movable objects shine; `None` where they are diffuse.
@@ -52,6 +54,19 @@ impl LightTransportSolution {
     /// How its pictures look up what is stored on surfaces.
     pub fn lookup(&self) -> Lookup {
         self.scene.plan.lookup.unwrap_or_default()
+    }
+
+    /// The particles that pictures make the layer `glossy` of, if they do.
+    pub fn particle_light(&self) -> Option<&Arc<ParticleLight>> {
+        self.particles.as_ref().filter(|_| self.scene.plan.glossy == Some(GlossyMethod::Particles))
+    }
+
+    /// How they make it of the mirror image otherwise; before there are particles, without blurring it.
+    pub fn glossy_of_image(&self) -> GlossyMethod {
+        match self.scene.plan.glossy.unwrap_or_default() {
+            GlossyMethod::Particles => GlossyMethod::Sharp,
+            method => method,
+        }
     }
 
     /// What becomes of what is stored on surfaces before pictures look it up.

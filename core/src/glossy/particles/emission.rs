@@ -10,9 +10,10 @@ use crate::{
         emitters::Emitter,
         geometry::{Geometry, offset_origin},
         lamp::LampKind,
+        world::World,
     },
 };
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// An emitter's way of sending particles, the same for all of them.
@@ -26,10 +27,10 @@ pub struct Emission {
 }
 
 impl Emission {
-    /// The flux of an emitter, that of parallel light through a disc as wide as the scene.
-    pub fn new(geometry: &Geometry, emitter: &Emitter) -> Self {
-        let (low, high) = geometry.bounds();
-        let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+    /// The flux of an emitter, that of parallel light through a disc as wide as a sphere around everything: its
+    /// middle and radius, m.
+    pub fn new(bounds: (Vec3, f32), emitter: &Emitter) -> Self {
+        let radius = bounds.1;
         let flux = match emitter {
             Emitter::Lamp { lamp, .. } => {
                 lamp.dimmer
@@ -46,7 +47,7 @@ impl Emission {
                 sides * PI * area.area() * area.radiance
             }
         };
-        Self { flux, bounds: (middle, radius) }
+        Self { flux, bounds }
     }
 
     /// Draws a particle: the ray it leaves on, and its attenuation per channel, at most 1.
@@ -79,6 +80,20 @@ impl Emission {
                 (ray, share(point.radiance, area.radiance))
             }
         }
+    }
+}
+
+/// The sphere around everything in a world that parallel light is sent through: middle and radius, m.
+pub fn sphere_around(geometry: &Geometry) -> (Vec3, f32) {
+    let (low, high) = geometry.bounds();
+    (0.5 * (low + high), 0.5 * (high - low).length())
+}
+
+/// Where an emitter stands.
+pub fn placement(world: &World, emitter: &Emitter) -> Affine3A {
+    match emitter {
+        Emitter::Lamp { lamp, .. } => lamp.world_from_lamp,
+        Emitter::Area(area) => world.geometry.world_from_object[area.object as usize],
     }
 }
 

@@ -4,7 +4,7 @@
 //! what is left of it are kept, and it goes on as the surface scatters it ([`trace`]). Nothing of that depends on
 //! the eye. A picture sums the particles around each of its points, each times the lobe between where it came
 //! from and the eye, under a Gaussian ([`splat`]). Straight light, whose highlights and shadows the Gaussian
-//! blurs, may be left out of that and evaluated at the point instead ([`pass`]).
+//! blurs, may be left out of that and evaluated at the point instead ([`straight`]).
 //!
 //! More particles refine what there is: a particle keeps what is left of it, not its flux, which is the emitter's
 //! over the number sent so far (Eq. 7.4).
@@ -17,8 +17,15 @@
 //! up to half of the light is lost, three quarters at a rectangular corner; shadows leak by the same radius. Its
 //! variance is that of the lobe's value over some dozens of particles, so lobes narrower than the light they mirror need very many.
 
+//!
+//! As a method of the picture (`glossy: particles`) they are a part of the solution ([`light`]): a lamp that is dimmed
+//! costs the sorting alone, one that is moved its own particles. [`gpu`] is the twin of [`pass`].
+
 pub mod emission;
+pub mod gpu;
 pub mod inspect;
+pub mod light;
 pub mod pass;
 pub mod splat;
+pub mod straight;
 pub mod trace;

@@ -1,7 +1,7 @@
 //! Particles around a point: a grid for each glossy surface, and the sum that makes radiance of them.
 
 use super::trace::{ParticleHit, Particles, tilt};
-use crate::scene::{brdf::Brdf, geometry::Surface, world::World};
+use crate::scene::{geometry::Surface, world::World};
 use glam::{IVec3, Vec3};
 use std::{collections::BTreeMap, f32::consts::PI};
 
@@ -33,10 +33,14 @@ struct Splat {
     wi: Vec3,
     /// Flux about the shading normal, lm per channel.
     power: Vec3,
-    brdf: Brdf,
+    /// Base colour of the material there.
+    base: Vec3,
 }
 
-/// The particles of one material on one object, in cells as wide as their radius.
+/// Cells along an axis, at most, and two: their numbers stay below 2³².
+const MOST_CELLS: f32 = 1000.0;
+
+/// The particles of one material on one object, in cells at least as wide as their radius.
 #[derive(Clone, Debug)]
 pub struct SurfaceSplats {
     /// Radius h of the Gaussians, m.
@@ -44,9 +48,11 @@ pub struct SurfaceSplats {
     /// Area A of the surface, m².
     pub area: f32,
     low: Vec3,
+    /// Edge of a cell, m.
+    cell_m: f32,
     cells: IVec3,
     /// Cell of each splat, sorted.
-    keys: Vec<u64>,
+    keys: Vec<u32>,
     splats: Vec<Splat>,
 }
 
@@ -84,7 +90,7 @@ impl SplatMap {
                 normal: surface.normal,
                 wi: hit.wi,
                 power: power * tilt(&surface, hit.wi),
-                brdf: geometry.brdf(&surface),
+                base: geometry.material_of(hit.triangle).reflectance_at(surface.uv, &geometry.textures),
             });
         }
         let mut areas: BTreeMap<(u32, u32), f32> = BTreeMap::new();
@@ -106,13 +112,42 @@ impl SplatMap {
         let t = surface.triangle as usize;
         let key = (world.geometry.object[t], world.geometry.material[t]);
         let Some(around) = self.surfaces.get(&key) else { return [Vec3::ZERO; 2] };
+        let material = world.geometry.material_of(surface.triangle);
         let mut sum = [Vec3::ZERO; 2];
         around.each(surface, |splat, weight| {
             let wo = (eye - splat.position).normalize_or(splat.normal);
-            let [diffuse, lobe] = splat.brdf.value(splat.normal, splat.wi, wo);
+            let [diffuse, lobe] = material.brdf_of(splat.base).value(splat.normal, splat.wi, wo);
             sum = [sum[0] + diffuse * splat.power * weight, sum[1] + lobe * splat.power * weight];
         });
         sum
+    }
+
+    /// The particles as `shaders/glossy/particles.wgsl` reads them, sixteen bytes a row: how many surfaces there are; for
+    /// each its object, material, first row and count, its lowest corner and edge of a cell, its cells and radius; for
+    /// each particle position and cell, normal, direction and power, each with a channel of the base colour.
+    pub fn table(&self) -> Vec<[u32; 4]> {
+        let row = |v: Vec3, last: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last];
+        let mut table = vec![[self.surfaces.len() as u32, 0, 0, 0]];
+        let mut first = 1 + 3 * self.surfaces.len() as u32;
+        for (&(object, material), s) in &self.surfaces {
+            let cells = s.cells.to_array().map(|c| c as u32);
+            table.push([object, material, first, s.splats.len() as u32]);
+            table.push(row(s.low, s.cell_m.to_bits()));
+            table.push([cells[0], cells[1], cells[2], s.radius_m.to_bits()]);
+            first += 4 * s.splats.len() as u32;
+        }
+        for s in self.surfaces.values() {
+            table.extend(s.keys.iter().zip(&s.splats).flat_map(|(&key, splat)| {
+                let base = splat.base.to_array().map(f32::to_bits);
+                [
+                    row(splat.position, key),
+                    row(splat.normal, base[0]),
+                    row(splat.wi, base[1]),
+                    row(splat.power, base[2]),
+                ]
+            }));
+        }
+        table
     }
 
     /// Particles a square metre around a point, by the same Gaussians.
@@ -131,9 +166,10 @@ impl SurfaceSplats {
     fn new(area: f32, radius_m: f32, mut splats: Vec<Splat>) -> Self {
         let low = splats.iter().fold(Vec3::INFINITY, |low, s| low.min(s.position));
         let high = splats.iter().fold(Vec3::NEG_INFINITY, |high, s| high.max(s.position));
+        let cell_m = radius_m.max((high - low).max_element() / MOST_CELLS);
         // Cells keep a margin of one, so that neighbours of those at the rim have numbers too.
-        let cells = ((high - low) / radius_m).as_ivec3() + 3;
-        let mut grid = Self { radius_m, area, low, cells, keys: Vec::new(), splats: Vec::new() };
+        let cells = ((high - low) / cell_m).as_ivec3() + 3;
+        let mut grid = Self { radius_m, area, low, cell_m, cells, keys: Vec::new(), splats: Vec::new() };
         splats.sort_by_cached_key(|s| grid.key(grid.cell(s.position)));
         grid.keys = splats.iter().map(|s| grid.key(grid.cell(s.position))).collect();
         grid.splats = splats;
@@ -146,12 +182,12 @@ impl SurfaceSplats {
     }
 
     fn cell(&self, position: Vec3) -> IVec3 {
-        ((position - self.low) / self.radius_m).floor().as_ivec3() + 1
+        ((position - self.low) / self.cell_m).floor().as_ivec3() + 1
     }
 
-    fn key(&self, cell: IVec3) -> u64 {
-        let [x, y, z] = cell.to_array().map(|c| c as u64);
-        (z * self.cells.y as u64 + y) * self.cells.x as u64 + x
+    fn key(&self, cell: IVec3) -> u32 {
+        let [x, y, z] = cell.to_array().map(|c| c as u32);
+        (z * self.cells.y as u32 + y) * self.cells.x as u32 + x
     }
 
     /// Visits the particles within the radius on the same side, each with k((x − xⱼ)/h)/h², 1/m².

@@ -1,6 +1,6 @@
 //! Particles on their ways: the part that does not depend on the eye.
 
-use super::emission::Emission;
+use super::emission::{Emission, placement, sphere_around};
 use crate::{
     math::{
         colour::luminance,
@@ -15,8 +15,9 @@ use crate::{
         world::World,
     },
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A particle ends here at the latest; at reflectance 0.999 what is cut off is 4.5e-5 of the light.
 const MOST_BOUNCES: u32 = 10_000;
@@ -46,11 +47,18 @@ pub struct Sent {
     pub flux: Vec3,
     /// How many there are so far, m.
     pub count: u32,
-    /// Their hits, particle by particle.
-    pub hits: Vec<ParticleHit>,
+    /// Their hits, particle by particle; shared by what is lit alike.
+    pub hits: Arc<Vec<ParticleHit>>,
+    /// Where the emitter stood.
+    from: Affine3A,
 }
 
 impl Sent {
+    fn nothing(world: &World, emitter: &Emitter, bounds: (Vec3, f32)) -> Self {
+        let flux = Emission::new(bounds, emitter).flux;
+        Self { flux, count: 0, hits: Arc::default(), from: placement(world, emitter) }
+    }
+
     /// Flux of a hit: φ = Φ ρ / m, lm per channel (Eq. 7.4).
     pub fn power(&self, hit: &ParticleHit) -> Vec3 {
         self.flux * hit.attenuation / self.count.max(1) as f32
@@ -63,16 +71,30 @@ pub struct Particles {
     /// By emitter of the world.
     pub sent: Vec<Sent>,
     seed: u64,
+    /// Sphere that parallel light is sent through: middle and radius, m.
+    bounds: (Vec3, f32),
 }
 
 impl Particles {
     /// No particles yet.
     pub fn new(world: &World, seed: u64) -> Self {
-        let sent = |emitter| {
-            let flux = Emission::new(&world.geometry, emitter).flux;
-            Sent { flux, count: 0, hits: Vec::new() }
-        };
-        Self { sent: world.emitters.list.iter().map(sent).collect(), seed }
+        let bounds = sphere_around(&world.geometry);
+        let sent = |emitter| Sent::nothing(world, emitter, bounds);
+        Self { sent: world.emitters.list.iter().map(sent).collect(), seed, bounds }
+    }
+
+    /// Takes over how bright and where the emitters are now: a particle keeps what is left of it, so one that is
+    /// dimmed costs nothing, and of one that was moved the particles are sent anew by the next
+    /// [`trace`](Self::trace). Where anything else was moved they stay as they are.
+    pub fn follow(&mut self, world: &World) {
+        for (sent, emitter) in self.sent.iter_mut().zip(&world.emitters.list) {
+            let now = Sent::nothing(world, emitter, self.bounds);
+            if now.from == sent.from {
+                sent.flux = now.flux;
+            } else {
+                *sent = now;
+            }
+        }
     }
 
     /// Particles of all emitters.
@@ -103,7 +125,7 @@ impl Particles {
         let in_all: u64 = self.sent.iter().map(|s| u64::from(wanted(s))).sum();
         let mut before = 0;
         for (number, (sent, emitter)) in self.sent.iter_mut().zip(&world.emitters.list).enumerate() {
-            let emission = Emission::new(&world.geometry, emitter);
+            let emission = Emission::new(self.bounds, emitter);
             let wanted = wanted(sent);
             while sent.count < wanted {
                 progress.report((before + u64::from(sent.count)) as f32 / in_all as f32)?;
@@ -121,7 +143,7 @@ impl Particles {
                         )
                     })
                     .collect();
-                sent.hits.extend(hits);
+                Arc::make_mut(&mut sent.hits).extend(hits);
                 sent.count = batch.end;
             }
             before += u64::from(wanted);

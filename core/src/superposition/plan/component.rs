@@ -60,7 +60,7 @@ impl Component {
                 ..over
             },
             Self::Mirror => PlanOverrides { mirror_depth: None, mirrors: None, mirror_images: None, ..over },
-            Self::Glossy => PlanOverrides { glossy: None, ..over },
+            Self::Glossy => PlanOverrides { glossy: None, glossy_particles: None, ..over },
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,
                 volume_samples: None,

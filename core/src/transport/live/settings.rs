@@ -2,7 +2,10 @@
 
 use super::{LiveTransport, SolveError, SolveSettings};
 use crate::{
-    glossy::environment::LOBE_DIRECTIONS,
+    glossy::{
+        environment::LOBE_DIRECTIONS,
+        particles::light::{self, ParticleLight},
+    },
     irradiance_volume::IrradianceVolume,
     math::progress::Progress,
     mirror::{MirrorSettings, images::MirrorImages},
@@ -53,6 +56,14 @@ impl LiveTransport {
             let start = Instant::now();
             current.mirror_images = Some(Arc::new(MirrorImages::automatic(&current.world, progress)?));
             stage(&mut current.provenance, "mirror", start);
+        }
+        let count = light::wanted(&scene.plan, &current.world.geometry);
+        if count != light::wanted(&self.current.scene.plan, &current.world.geometry) {
+            let start = Instant::now();
+            let seed = settings.radiosity.seed;
+            let sent = count.map(|count| ParticleLight::new(&current.world, count, seed, progress));
+            current.particles = sent.transpose()?.map(Arc::new);
+            stage(&mut current.provenance, "glossy", start);
         }
         if !kept || self.settings.volume != settings.volume {
             if !kept {
