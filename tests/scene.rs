@@ -198,6 +198,28 @@ fn glb_and_data_uris_hold_the_same_scene() {
 }
 
 #[test]
+fn glass_is_a_pane_or_with_a_volume_the_boundary_of_a_solid() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut gltf = quad_gltf();
+    let used = ["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior"];
+    gltf["extensionsUsed"].as_array_mut().unwrap().extend(used.map(|name| json!(name)));
+    let transmission = json!({"transmissionFactor": 0.5});
+    let volume = json!({"thicknessFactor": 0.01});
+    let pbr = |roughness: f32| json!({"metallicFactor": 0.0, "roughnessFactor": roughness});
+    let pane = json!({"name": "pane", "pbrMetallicRoughness": pbr(0.0),
+        "extensions": {"KHR_materials_transmission": transmission, "KHR_materials_ior": {"ior": 1.33}}});
+    let solid = json!({"name": "frosted", "pbrMetallicRoughness": pbr(0.4),
+        "extensions": {"KHR_materials_transmission": transmission, "KHR_materials_volume": volume}});
+    gltf["materials"].as_array_mut().unwrap().extend([pane, solid]);
+    let scene = load(&write_quad(folder.path(), &gltf)).unwrap();
+    let of = |name: &str| scene.materials.iter().find(|m| m.name == name).unwrap();
+    let (pane, solid) = (of("pane"), of("frosted"));
+    assert_eq!((pane.transmission, pane.ior, pane.solid, pane.double_sided), (0.5, 1.33, false, true));
+    assert_eq!((solid.transmission, solid.ior, solid.solid, solid.double_sided), (0.5, 1.5, true, true));
+    assert!(scene.warnings.iter().any(|w| w.contains("rough glass is shown clear: frosted")));
+}
+
+#[test]
 fn what_is_unsupported_gives_one_warning_a_kind() {
     let folder = tempfile::tempdir().unwrap();
     let mut gltf = quad_gltf();

@@ -16,6 +16,8 @@ pub enum Example {
     Chrome,
     /// A pyramid of copper on a mirror.
     Pyramid,
+    /// A ball, a block and a pane of glass.
+    Glass,
     /// A house with a music room: five mirrors.
     House,
     /// The Cornell box with its radiosity on quadtrees.
@@ -45,13 +47,14 @@ macro_rules! scene_files {
 
 impl Example {
     /// Examples to look at, in the order they are offered.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Office,
         Self::Cornell,
         Self::Quadtrees,
         Self::Teapot,
         Self::Chrome,
         Self::Pyramid,
+        Self::Glass,
         Self::House,
     ];
 
@@ -79,6 +82,7 @@ impl Example {
             Self::Teapot => "Teapot on a glossy table",
             Self::Chrome => "Chrome teapot",
             Self::Pyramid => "Copper pyramid",
+            Self::Glass => "Things of glass",
             Self::House => "House with a music room",
             Self::Quadtrees => "Cornell box on quadtrees",
             Self::FourWalls => "Four constant walls",
@@ -103,6 +107,7 @@ impl Example {
             Self::Pyramid => {
                 "Flat mirrors of copper: reflectance that grows and pales towards grazing angles."
             }
+            Self::Glass => "A ball and a block bend what is behind them, a pane colours it and the light.",
             Self::House => {
                 "A grand piano among five flat mirrors and 180,000 triangles: mirrored views and what they cost."
             }
@@ -129,6 +134,7 @@ impl Example {
             Self::Teapot => "example:teapot",
             Self::Chrome => "example:chrome",
             Self::Pyramid => "example:pyramid",
+            Self::Glass => "example:glass",
             Self::House => "example:house",
             Self::Quadtrees => "example:quadtrees",
             Self::FourWalls => "example:four_walls",
@@ -150,6 +156,7 @@ impl Example {
             Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
             Self::Chrome => scene_files!["glossy/chrome.ron", "glossy/chrome.glb"],
             Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],
+            Self::Glass => scene_files!["glass/glass.ron", "glass/glass.glb"],
             Self::House => {
                 scene_files!["house/house.ron", "house/music_room.glb", "house/living_room.glb"]
             }

@@ -1,7 +1,7 @@
 //! Writes binary glTF 2.0: meshes shared by nodes, embedded PNG textures, emission in cd/m².
 //!
-//! Small on purpose: positions, normals, texture coordinates and indices, and the one extension the
-//! scenes need (KHR_materials_emissive_strength). Keys stand in alphabetical order in every object, so
+//! Small on purpose: positions, normals, texture coordinates and indices, and the extensions the scenes need
+//! (KHR_materials_emissive_strength, and _transmission and _volume for glass). Keys stand in alphabetical order in every object, so
 //! that the bytes do not depend on how `serde_json` keeps its maps.
 
 use crate::shapes::Shape;
@@ -25,6 +25,8 @@ pub struct Material {
     pub double_sided: bool,
     /// Metallic factor and roughness; rough and no metal by default.
     pub polish: [f64; 2],
+    /// Whether it is glass, and if so whether it bounds a solid or is a pane.
+    pub glass: Option<bool>,
 }
 
 impl Material {
@@ -38,12 +40,18 @@ impl Material {
             radiance_picture: None,
             double_sided: false,
             polish: [0.0, 1.0],
+            glass: None,
         }
     }
 
     /// The same as a metal or under a coat, of a roughness.
     pub fn polished(self, metallic: f64, roughness: f64) -> Self {
         Self { polish: [metallic, roughness], ..self }
+    }
+
+    /// The same as glass: the boundary of a solid, or a pane.
+    pub fn glass(self, solid: bool) -> Self {
+        Self { glass: Some(solid), ..self.polished(0.0, 0.0) }
     }
 
     /// The same, emitting `radiance` cd/m².
@@ -140,6 +148,16 @@ impl Model {
         self
     }
 
+    fn extensions(&self) -> Vec<&'static str> {
+        let any = |of: fn(&Material) -> bool| self.materials.iter().any(of);
+        let used = [
+            (true, "KHR_materials_emissive_strength"),
+            (any(|m| m.glass.is_some()), "KHR_materials_transmission"),
+            (any(|m| m.glass == Some(true)), "KHR_materials_volume"),
+        ];
+        used.into_iter().filter(|u| u.0).map(|u| u.1).collect()
+    }
+
     /// The bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         let mut chunk = Chunk::default();
@@ -156,7 +174,7 @@ impl Model {
             "asset": { "generator": "lumenscope-scenes", "version": "2.0" },
             "bufferViews": chunk.views,
             "buffers": [{ "byteLength": chunk.bytes.len() }],
-            "extensionsUsed": ["KHR_materials_emissive_strength"],
+            "extensionsUsed": self.extensions(),
         });
         if !images.is_empty() {
             root["images"] = images.into();
@@ -279,6 +297,12 @@ fn material(material: &Material) -> Value {
             value["emissiveTexture"] = json!({ "index": picture });
         }
         value["extensions"] = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": strength } });
+    }
+    if let Some(solid) = material.glass {
+        value["extensions"] = json!({ "KHR_materials_transmission": { "transmissionFactor": 1.0 } });
+        if solid {
+            value["extensions"]["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+        }
     }
     value["name"] = material.name.into();
     let mut pbr = json!({ "baseColorFactor": [r, g, b, 1.0] });

@@ -7,6 +7,7 @@
 
 pub mod analytic;
 pub mod cornell;
+pub mod glass;
 pub mod glb;
 pub mod grotto;
 pub mod house;
@@ -28,6 +29,7 @@ pub fn generate() -> Vec<(PathBuf, Vec<u8>)> {
     files.extend(analytic::files());
     files.extend(walls::files());
     files.extend(polished::files());
+    files.extend(glass::files());
     files.extend(house::files());
     files
 }

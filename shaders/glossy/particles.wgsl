@@ -90,66 +90,6 @@ fn by_particles(surface: Surface, specular: Specular, eye: vec3f) -> vec3f {
     return sum;
 }
 
-// Triangle that a ray meets first, NONE for none, and its distance in lengths of the direction.
-struct Met {
-    triangle: u32,
-    t: f32,
-}
-
-fn tree_met(tree: Tree, world_origin: vec3f, world_direction: vec3f, before: Met) -> Met {
-    var met = before;
-    let o = vec4f(world_origin, 1.0);
-    let origin = vec3f(dot(tree.row_x, o), dot(tree.row_y, o), dot(tree.row_z, o));
-    let direction = vec3f(
-        dot(tree.row_x.xyz, world_direction),
-        dot(tree.row_y.xyz, world_direction),
-        dot(tree.row_z.xyz, world_direction));
-    let inverse = vec3f(slab_reciprocal(direction.x), slab_reciprocal(direction.y), slab_reciprocal(direction.z));
-    let shear = shear_of(direction);
-    var stack: array<u32, STACK>;
-    var depth = 0u;
-    var current = tree.root;
-    loop {
-        let node = nodes[current];
-        var descend = false;
-        if meets_box(node, origin, inverse, met.t) {
-            if node.count > 0u {
-                for (var i = node.first; i < node.first + node.count; i++) {
-                    let t = triangle_distance(i, origin, shear, met.t);
-                    if t >= 0.0 {
-                        met = Met(tree_triangles[i].number, t);
-                    }
-                }
-            } else {
-                descend = true;
-            }
-        }
-        if descend && depth < STACK {
-            stack[depth] = node.first + 1u;
-            depth += 1u;
-            current = node.first;
-        } else {
-            if depth == 0u {
-                break;
-            }
-            depth -= 1u;
-            current = stack[depth];
-        }
-    }
-    return met;
-}
-
-// Twin of `Accel::trace`.
-fn first_met(origin: vec3f, direction: vec3f) -> Met {
-    var met = Met(NONE, FAR);
-    for (var i = 0u; i < frame.tree_count; i++) {
-        if trees[i].node_count > 0u {
-            met = tree_met(trees[i], origin, direction, met);
-        }
-    }
-    return met;
-}
-
 // Twin of `straight::density_of_places`.
 fn density_of_places(met: Surface, wi: vec3f, distance: f32) -> f32 {
     let info = triangles[met.triangle];
@@ -228,7 +168,7 @@ fn straight_light(surface: Surface, specular: Specular, wo: vec3f, samples: u32,
         if dot(surface.normal, wi) <= 0.0 || dot(surface.geometric_normal, wi) <= 0.0 {
             continue;
         }
-        let met = first_met(origin, wi);
+        let met = nearest(frame.tree_count, origin, wi, 0.0, FAR);
         if met.triangle == NONE {
             continue;
         }

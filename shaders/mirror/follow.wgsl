@@ -111,8 +111,13 @@ fn follow(pixel: u32, rays: bool) {
             layers[state + 6u] = max(height / max(dot(view.clip_normal, direction), 1e-6), 0.0);
         }
         let stored = stored_light(surface);
-        let terms = diffuse_terms(surface, stored, rays, hash2(pixel_scramble(pixel), view.depth));
+        let scramble = hash2(pixel_scramble(pixel), view.depth);
+        let terms = diffuse_terms(surface, stored, rays, scramble);
         radiance += throughput * (terms.emitted + terms.direct + terms.indirect);
+        if glass {
+            let behind = seen_through(surface, direction, rays, scramble, true, true);
+            radiance += throughput * (behind.emitted + behind.direct + behind.indirect + behind.bent);
+        }
         next = view_through(seen - 1u, number);
         if next == 0u {
             radiance += throughput * wide_reflection(surface, stored, -direction);
@@ -166,7 +171,11 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
         }
     }
     value = select(vec3f(0.0), value, specular.alpha >= 0.0);
-    store(pixel, 3u, select(vec3f(0.0), value, specular.alpha == 0.0));
+    var bent = vec3f(0.0);
+    if glass {
+        bent = seen_through(surface, direction, frame.samples > 0u, pixel_scramble(pixel), false, true).bent;
+    }
+    store(pixel, 3u, bent + select(vec3f(0.0), value, specular.alpha == 0.0));
     store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
 }
 

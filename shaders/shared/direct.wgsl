@@ -126,7 +126,8 @@ fn area_factor(emitter: EmitterInfo, receiver: Receiver) -> f32 {
 struct AreaSample {
     weight: f32,
     radiance: vec3f,
-    seen: bool,
+    // Share of it that arrives.
+    seen: vec3f,
 }
 
 struct EmitterPoint {
@@ -180,10 +181,10 @@ fn area_sample(tree_count: u32, emitter: EmitterInfo, receiver: Receiver, j: u32
     let facing = -dot(point.normal, wi);
     let cosine_light = select(facing, abs(facing), (emitter.flags & DOUBLE_SIDED) != 0u);
     if !(d2 > 0.0) || cosine <= 0.0 || cosine_light <= 0.0 {
-        return AreaSample(0.0, vec3f(0.0), false);
+        return AreaSample(0.0, vec3f(0.0), vec3f(0.0));
     }
     let end = offset_origin(point.position, point.normal * sign(facing));
-    let seen = !occluded(tree_count, receiver.origin, end - receiver.origin, 1.0 - 1e-4);
+    let seen = transmittance(tree_count, receiver.origin, end - receiver.origin, 1.0 - 1e-4);
     return AreaSample(cosine * cosine_light / d2, point.radiance, seen);
 }
 
@@ -201,10 +202,10 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
     if emitter.kind == DIRECTIONAL {
         let wi = -emitter.axis;
         let e = emitter.colour * max(dot(receiver.normal, wi), 0.0);
-        if all(e == vec3f(0.0)) || occluded(tree_count, receiver.origin, wi, FAR) {
+        if all(e == vec3f(0.0)) {
             return vec3f(0.0);
         }
-        return e;
+        return e * transmittance(tree_count, receiver.origin, wi, FAR);
     }
     if emitter.kind == POINT || emitter.kind == SPOT {
         let to_lamp = emitter.position - receiver.position;
@@ -218,10 +219,10 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
         if emitter.kind == SPOT {
             e *= spot_falloff(emitter, -wi);
         }
-        if all(e == vec3f(0.0)) || occluded(tree_count, receiver.origin, emitter.position - receiver.origin, 1.0 - 1e-4) {
+        if all(e == vec3f(0.0)) {
             return vec3f(0.0);
         }
-        return e;
+        return e * transmittance(tree_count, receiver.origin, emitter.position - receiver.origin, 1.0 - 1e-4);
     }
     let analytic = (emitter.flags & TEXTURED) == 0u && emitter.count <= ANALYTIC_TRIANGLES;
     var factor = 0.0;
@@ -233,19 +234,17 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
     }
     let rays = max(samples, 1u);
     var total = 0.0;
-    var visible = 0.0;
+    var visible = vec3f(0.0);
     var sum = vec3f(0.0);
     for (var j = 0u; j < rays; j++) {
         let drawn = area_sample(tree_count, emitter, receiver, j, scramble);
         total += drawn.weight;
-        if drawn.seen {
-            visible += drawn.weight;
-            sum += drawn.radiance * drawn.weight;
-        }
+        visible += drawn.seen * drawn.weight;
+        sum += drawn.radiance * drawn.seen * drawn.weight;
     }
     if analytic {
         if total > 0.0 {
-            return emitter.colour * factor * (visible / total);
+            return emitter.colour * visible * (factor / total);
         }
         return vec3f(0.0);
     }

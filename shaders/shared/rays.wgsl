@@ -1,4 +1,4 @@
-// Whether anything stands in the way of a ray: twin of `Accel::occluded`.
+// What a ray meets: twins of `Accel::occluded` and `Accel::trace`.
 
 struct Node {
     low: vec3f,
@@ -14,9 +14,9 @@ struct TreeTriangle {
     // Its number in the scene.
     number: u32,
     b: vec3f,
-    padding_1: u32,
+    padding_0: u32,
     c: vec3f,
-    padding_2: u32,
+    padding_1: u32,
 }
 
 struct Tree {
@@ -35,6 +35,13 @@ struct Tree {
 @group(0) @binding(8) var<storage, read> trees: array<Tree>;
 
 const STACK: u32 = 64u;
+const MISSED: f32 = 3.4e38;
+
+// Where a ray meets a triangle, NONE for none.
+struct Hit {
+    t: f32,
+    triangle: u32,
+}
 
 // A reciprocal that is finite for any component: twin of `watertight::slab_ray`.
 fn slab_reciprocal(d: f32) -> f32 {
@@ -86,9 +93,8 @@ fn shear_of(direction: vec3f) -> Shear {
     return Shear(z, vec3f(d.x / d.z, d.y / d.z, 1.0 / d.z));
 }
 
-// Twin of `Shear::intersect`, without its repeat in f64 on the edges: those rays hit either triangle. Negative where a
-// triangle is not met before t_max.
-fn triangle_distance(i: u32, origin: vec3f, shear: Shear, t_max: f32) -> f32 {
+// Twin of `Shear::intersect`, without its repeat in f64 on the edges: those rays hit either triangle.
+fn distance_to_triangle(i: u32, origin: vec3f, shear: Shear) -> f32 {
     let corner = tree_triangles[i];
     let a = permute(corner.a - origin, shear.z);
     let b = permute(corner.b - origin, shear.z);
@@ -100,17 +106,17 @@ fn triangle_distance(i: u32, origin: vec3f, shear: Shear, t_max: f32) -> f32 {
     let v = pa.x * pc.y - pa.y * pc.x;
     let w = pb.x * pa.y - pb.y * pa.x;
     if min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0 {
-        return -1.0;
+        return MISSED;
     }
     let determinant = u + v + w;
     if determinant == 0.0 {
-        return -1.0;
+        return MISSED;
     }
-    let t = (u * a.z + v * b.z + w * c.z) * shear.shear.z / determinant;
-    return select(-1.0, t, t >= 0.0 && t < t_max);
+    return (u * a.z + v * b.z + w * c.z) * shear.shear.z / determinant;
 }
 
-fn tree_occluded(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_max: f32) -> bool {
+// The nearest triangle of a tree from `t_min` on and before `best`; any where that is enough.
+fn meet_tree(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_min: f32, any: bool, best: Hit) -> Hit {
     let o = vec4f(world_origin, 1.0);
     let origin = vec3f(dot(tree.row_x, o), dot(tree.row_y, o), dot(tree.row_z, o));
     let direction = vec3f(
@@ -119,17 +125,22 @@ fn tree_occluded(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_max:
         dot(tree.row_z.xyz, world_direction));
     let inverse = vec3f(slab_reciprocal(direction.x), slab_reciprocal(direction.y), slab_reciprocal(direction.z));
     let shear = shear_of(direction);
+    var found = best;
     var stack: array<u32, STACK>;
     var depth = 0u;
     var current = tree.root;
     loop {
         let node = nodes[current];
         var descend = false;
-        if meets_box(node, origin, inverse, t_max) {
+        if meets_box(node, origin, inverse, found.t) {
             if node.count > 0u {
                 for (var i = node.first; i < node.first + node.count; i++) {
-                    if triangle_distance(i, origin, shear, t_max) >= 0.0 {
-                        return true;
+                    let t = distance_to_triangle(i, origin, shear);
+                    if t >= t_min && t < found.t {
+                        found = Hit(t, tree_triangles[i].number);
+                        if any {
+                            return found;
+                        }
                     }
                 }
             } else {
@@ -148,14 +159,26 @@ fn tree_occluded(tree: Tree, world_origin: vec3f, world_direction: vec3f, t_max:
             current = stack[depth];
         }
     }
-    return false;
+    return found;
 }
 
 fn occluded(tree_count: u32, origin: vec3f, direction: vec3f, t_max: f32) -> bool {
     for (var i = 0u; i < tree_count; i++) {
-        if trees[i].node_count > 0u && tree_occluded(trees[i], origin, direction, t_max) {
-            return true;
+        if trees[i].node_count > 0u {
+            if meet_tree(trees[i], origin, direction, 0.0, true, Hit(t_max, NONE)).triangle != NONE {
+                return true;
+            }
         }
     }
     return false;
+}
+
+fn nearest(tree_count: u32, origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
+    var found = Hit(t_max, NONE);
+    for (var i = 0u; i < tree_count; i++) {
+        if trees[i].node_count > 0u {
+            found = meet_tree(trees[i], origin, direction, t_min, false, found);
+        }
+    }
+    return found;
 }

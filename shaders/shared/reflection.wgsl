@@ -6,6 +6,25 @@ struct Specular {
     dielectric: f32,
     // 0 for an ideal mirror, negative for none.
     alpha: f32,
+    side: u32,
+}
+
+// From where a coat or the boundary of glass is met: twin of `glass::Side`.
+const OUTSIDE: u32 = 0u;
+const INSIDE: u32 = 1u;
+const PANE: u32 = 2u;
+
+fn side_met(material: MaterialInfo, back: bool) -> u32 {
+    if material.passes <= 0.0 {
+        return OUTSIDE;
+    }
+    return select(PANE, select(OUTSIDE, INSIDE, back), material.solid != 0u);
+}
+
+// Twin of `fresnel::effective_index`.
+fn effective_index(normal_reflectance: f32) -> f32 {
+    let root = sqrt(clamp(normal_reflectance, 0.0, 0.9999));
+    return (1.0 + root) / (1.0 - root);
 }
 
 // Twin of `fresnel::reflectance`.
@@ -16,13 +35,27 @@ fn fresnel(normal_reflectance: f32, cos_theta: f32) -> f32 {
     if normal_reflectance > 0.9999 {
         return 1.0;
     }
-    let root = sqrt(normal_reflectance);
-    let n = (1.0 + root) / (1.0 - root);
+    let n = effective_index(normal_reflectance);
     let c = clamp(cos_theta, 0.0, 1.0);
     let g = sqrt(max(n * n + c * c - 1.0, 0.0));
     let ratio = (g - c) / (g + c);
     let turned = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
     return min(0.5 * ratio * ratio * (1.0 + turned * turned), 1.0);
+}
+
+// Twin of `Side::reflectance`.
+fn boundary_reflectance(side: u32, normal_reflectance: f32, cos_theta: f32) -> f32 {
+    if side == INSIDE {
+        let c = clamp(cos_theta, 0.0, 1.0);
+        let n = effective_index(normal_reflectance);
+        let outside = 1.0 - n * n * (1.0 - c * c);
+        if outside <= 0.0 {
+            return 1.0;
+        }
+        return fresnel(normal_reflectance, sqrt(outside));
+    }
+    let once = fresnel(normal_reflectance, cos_theta);
+    return select(once, 2.0 * once / (1.0 + once), side == PANE);
 }
 
 // Twin of `Specular::reflectance`.
@@ -36,7 +69,7 @@ fn specular_reflectance_at(specular: Specular, metal_cosine: f32, coat_cosine: f
         fresnel(specular.metal.x, metal_cosine),
         fresnel(specular.metal.y, metal_cosine),
         fresnel(specular.metal.z, metal_cosine));
-    let coat = fresnel(specular.dielectric, coat_cosine);
+    let coat = boundary_reflectance(specular.side, specular.dielectric, coat_cosine);
     return specular.metallic * metal + vec3f((1.0 - specular.metallic) * coat);
 }
 
@@ -48,8 +81,9 @@ fn is_lit(surface: Surface) -> bool {
 fn specular_at(surface: Surface) -> Specular {
     let material = materials[triangles[surface.triangle].material];
     if material.alpha < 0.0 || !is_lit(surface) {
-        return Specular(vec3f(0.0), 0.0, 0.0, -1.0);
+        return Specular(vec3f(0.0), 0.0, 0.0, -1.0, OUTSIDE);
     }
     let base = textured(material.reflectance, material.reflectance_texture, surface.uv);
-    return Specular(base, material.metallic, material.dielectric, material.alpha);
+    let side = side_met(material, surface.back);
+    return Specular(base, material.metallic, material.dielectric, material.alpha, side);
 }

@@ -6,6 +6,8 @@ const PI: f32 = 3.14159265358979;
 // Whether something has been moved, a material has two pictures, or a curved reflector a map. Pipelines for
 // scenes without leave out what only those need, since processors that stand in for a graphics card take every branch.
 override general: bool = true;
+// Whether light passes through anything.
+override glass: bool = true;
 
 struct Corner {
     position: vec3f,
@@ -43,9 +45,11 @@ struct MaterialInfo {
     dielectric: f32,
     // Of the specular lobe; 0 for an ideal mirror, negative for none.
     alpha: f32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // Share of what is not reflected that goes on through it, beside its colour.
+    passes: f32,
+    // Whether it bounds a solid, and is not a pane.
+    solid: u32,
+    padding: u32,
 }
 
 struct TextureInfo {

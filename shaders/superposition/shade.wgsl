@@ -8,8 +8,15 @@ fn shade(id: vec2u, rays: bool) {
     let seen = textureLoad(seen_triangles, id, 0).x;
     var terms = Terms();
     if seen != 0u {
-        let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id, frame.subpixel));
+        let direction = pixel_direction(frame, id, frame.subpixel);
+        let surface = surface_seen(seen - 1u, frame.eye, direction);
         terms = diffuse_terms(surface, stored_light(surface), rays, pixel_scramble(pixel));
+        if glass {
+            let behind = seen_through(surface, direction, rays, pixel_scramble(pixel), true, false);
+            terms.emitted += behind.emitted;
+            terms.direct += behind.direct;
+            terms.indirect += behind.indirect;
+        }
     }
     store(pixel, 0u, terms.emitted);
     store(pixel, 1u, terms.direct);

@@ -309,8 +309,8 @@ fn the_library_reflects_what_quadrature_says() {
     for alpha in [0.01, 0.04, 0.16] {
         let table = LobeTable::new(alpha);
         for (metallic, cos) in [(1.0, 0.95), (1.0, 0.5), (1.0, 0.2), (0.0, 0.7), (0.0, 0.3)] {
-            let specular = Specular { metal: gold, metallic, dielectric: 0.04, alpha };
-            let brdf = Brdf { diffuse: Vec3::ZERO, specular: Some(specular) };
+            let specular = Specular { metal: gold, metallic, dielectric: 0.04, alpha, ..Specular::default() };
+            let brdf = Brdf { specular: Some(specular), ..Brdf::default() };
             let wo = Vec3::new((1.0f32 - cos * cos).sqrt(), 0.0, cos);
             let n = 20_000;
             let mut wanted = Vec3::ZERO;

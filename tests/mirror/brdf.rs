@@ -110,7 +110,7 @@ fn lobes_are_reciprocal_and_reflect_no_more_than_arrives() {
 }
 
 fn specular(metallic: f32, alpha: f32) -> Specular {
-    Specular { metal: Vec3::new(0.63, 0.56, 0.37), metallic, dielectric: 0.04, alpha }
+    Specular { metal: Vec3::new(0.63, 0.56, 0.37), metallic, dielectric: 0.04, alpha, ..Specular::default() }
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_white_furnace_gives_back_the_albedo_however_it_is_sampled() {
     for (metallic, alpha) in [(1.0, 0.0), (1.0, 0.1), (0.0, 0.04), (0.5, 0.16)] {
         let coat = 1.0 - fresnel::hemispherical(0.04);
         let diffuse = Vec3::new(0.9, 0.5, 0.1) * ((1.0 - metallic) * coat);
-        let brdf = Brdf { diffuse, specular: Some(specular(metallic, alpha)) };
+        let brdf = Brdf { diffuse, specular: Some(specular(metallic, alpha)), glass: None };
         for cos in [0.95, 0.5] {
             let wo = towards(cos, 0.3);
             let lobe = if alpha == 0.0 {
@@ -155,7 +155,7 @@ fn uniform_light_is_never_made_more() {
         assert!(brdf.diffuse.x + lobe <= 1.0, "{}", brdf.diffuse.x + lobe);
     }
     let rough = Material { metallic: 1.0, roughness: 0.6, ..Material::default() };
-    assert_eq!(rough.brdf_at(Vec2::ZERO, &[]), Brdf { diffuse: rough.reflectance, specular: None });
+    assert_eq!(rough.brdf_at(Vec2::ZERO, &[]), Brdf { diffuse: rough.reflectance, ..Brdf::default() });
 }
 
 /// A closed box of glossy walls that emit, with a glossy block and a dark panel in it. Not one small lamp: what

@@ -2,6 +2,7 @@
 
 mod brdf;
 mod culling;
+mod glass;
 mod image_pictures;
 mod image_splats;
 mod images;

@@ -23,7 +23,7 @@ const GOLD: Vec3 = Vec3::new(0.63, 0.56, 0.37);
 
 #[test]
 fn gold_is_golden_at_the_middle_of_its_map_and_white_at_its_rim() {
-    let gold = Specular { metal: GOLD, metallic: 1.0, dielectric: 0.04, alpha: 0.0 };
+    let gold = Specular { metal: GOLD, metallic: 1.0, dielectric: 0.04, ..Specular::default() };
     let map = inspect::map(&gold);
     let half = map.width / 2;
     assert!((map.at(half, half) - GOLD).abs().max_element() < 1e-4, "{}", map.at(half, half));

@@ -1,6 +1,7 @@
 //! The shaders against the CPU functions that specify them.
 
 mod display;
+mod glass;
 mod layers;
 mod mirrored;
 mod particles;

@@ -119,11 +119,13 @@ fn structures_have_the_same_layout_on_both_sides() {
         metallic,
         dielectric,
         alpha,
+        passes,
+        solid,
         padding
     );
     same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
     same_layout!(SHADE, "Node", tables::Node, low, count, high, first);
-    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, number, b, padding_1, c, padding_2);
+    same_layout!(SHADE, "TreeTriangle", tables::TreeTriangle, a, number, b, padding_0, c, padding_1);
     same_layout!(SHADE, "Tree", tables::Tree, rows, root, node_count, padding);
     same_layout!(
         SHADE,

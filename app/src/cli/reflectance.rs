@@ -64,7 +64,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let mut shown = inspect::reflectance(&Geometry::new(&loaded.scene)).unwrap_or_default();
     for &metal in &options.metal {
-        let specular = Specular { metal, metallic: 1.0, dielectric: 0.0, alpha: 0.0 };
+        let specular = Specular { metal, metallic: 1.0, ..Specular::default() };
         let name = format!("metal {}", metal.to_array().map(|c| c.to_string()).join(" "));
         inspect::add_reflectance(&mut shown, &name, &specular);
     }

@@ -14,7 +14,7 @@ use super::{
     pipelines::{Raster, compute_variant, render_pipeline},
     readback,
     scene::SceneTables,
-    shaders,
+    shaders::{self, Needs},
     storage::{Binding, bind, layout, uniform},
     targets::{TRIANGLE_FORMAT, Targets},
 };
@@ -26,7 +26,6 @@ use crate::{
         gpu::MirrorPasses,
         views::{Eye, Rectangle},
     },
-    radiosity::lookup::Lookup,
     superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers, moved::MovedLight},
     transport::LightTransportSolution,
 };
@@ -110,7 +109,7 @@ impl GpuRenderer {
                 raster,
             )
         });
-        let shade = ShadePipelines::new(device, [&scene.layout, &shade_layout], scene.lookup());
+        let shade = ShadePipelines::new(device, [&scene.layout, &shade_layout], scene.needs());
         let module = shaders::COMPOSITE.module(device);
         let composite = |entry| {
             let entries = ["full_screen", entry];
@@ -170,9 +169,9 @@ impl GpuRenderer {
         if self.scene.upload(device, queue, solution, moved)? {
             self.bind(device, queue);
         }
-        let lookup = self.scene.lookup();
-        if lookup != self.shade.lookup {
-            self.shade = ShadePipelines::new(device, [&self.scene.layout, &self.shade_layout], lookup);
+        let needs = self.scene.needs();
+        if needs != self.shade.needs {
+            self.shade = ShadePipelines::new(device, [&self.scene.layout, &self.shade_layout], needs);
             self.mirror = None;
         }
         Ok(())
@@ -412,22 +411,22 @@ impl GpuRenderer {
     }
 }
 
-/// Pipelines that shade, for one way of looking radiosity up.
+/// Pipelines that shade.
 struct ShadePipelines {
-    lookup: Lookup,
+    needs: Needs,
     per_pixel: wgpu::ComputePipeline,
     /// For scenes as [`SceneTables::is_general`] says: not, and so.
     elements: [wgpu::ComputePipeline; 2],
 }
 
 impl ShadePipelines {
-    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 2], lookup: Lookup) -> Self {
+    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 2], needs: Needs) -> Self {
         let module = shaders::SHADE.module(device);
         let variant = |entry, general| {
-            compute_variant(device, &module, entry, &groups, &shaders::constants(general, lookup))
+            compute_variant(device, &module, entry, &groups, &shaders::constants(general, needs))
         };
         Self {
-            lookup,
+            needs,
             per_pixel: variant("shade_per_pixel", true),
             elements: [false, true].map(|general| variant("shade_elements", general)),
         }

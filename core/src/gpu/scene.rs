@@ -6,6 +6,7 @@
 use super::{
     device::GpuError,
     indices::shared_corners,
+    shaders::Needs,
     storage::{Binding, Storage, bind, layout},
     tables,
 };
@@ -18,7 +19,7 @@ use crate::{
         culling::{Blocks, Portal},
         reflectors::Reflectors,
     },
-    radiosity::lookup::{Lookup, SideMap},
+    radiosity::lookup::SideMap,
     scene::{geometry::Geometry, material::Material},
     superposition::moved::MovedLight,
     transport::LightTransportSolution,
@@ -165,8 +166,9 @@ impl SceneTables {
     }
 
     /// How it is looked up.
-    pub(crate) fn lookup(&self) -> Lookup {
-        self.last.as_ref().map_or(Lookup::default(), LightTransportSolution::lookup)
+    pub(crate) fn needs(&self) -> Needs {
+        let needs = |s: &LightTransportSolution| Needs { lookup: s.lookup(), glass: s.world.glass };
+        self.last.as_ref().map_or(Needs::default(), needs)
     }
 
     /// Its flat reflectors.

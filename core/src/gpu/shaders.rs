@@ -34,6 +34,7 @@ pub const SHADE: Program = Program {
         wgsl!("shared/scene.wgsl"),
         wgsl!("shared/reflection.wgsl"),
         wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/glass.wgsl"),
         wgsl!("shared/direct.wgsl"),
         wgsl!("shared/elements.wgsl"),
         wgsl!("glossy/environment.wgsl"),
@@ -62,6 +63,7 @@ pub const MIRROR_FOLLOW: Program = Program {
         wgsl!("shared/scene.wgsl"),
         wgsl!("shared/reflection.wgsl"),
         wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/glass.wgsl"),
         wgsl!("shared/direct.wgsl"),
         wgsl!("shared/elements.wgsl"),
         wgsl!("glossy/environment.wgsl"),
@@ -109,6 +111,7 @@ pub const PARTICLES: Program = Program {
         wgsl!("shared/scene.wgsl"),
         wgsl!("shared/reflection.wgsl"),
         wgsl!("shared/rays.wgsl"),
+        wgsl!("shared/glass.wgsl"),
         wgsl!("shared/direct.wgsl"),
         wgsl!("shared/elements.wgsl"),
         wgsl!("glossy/environment.wgsl"),
@@ -155,9 +158,22 @@ pub const ALL: [Program; 9] = [
 /// Overridable constants of the programs that shade.
 ///
 /// `general` is what `SceneTables::is_general` says of the scene.
-pub(crate) fn constants(general: bool, lookup: Lookup) -> [(&'static str, f64); 2] {
+pub(crate) fn constants(general: bool, needs: Needs) -> [(&'static str, f64); 3] {
     let flag = |on: bool| f64::from(u8::from(on));
-    [("general", flag(general)), ("mitchell", flag(lookup == Lookup::Mitchell))]
+    [
+        ("general", flag(general)),
+        ("mitchell", flag(needs.lookup == Lookup::Mitchell)),
+        ("glass", flag(needs.glass)),
+    ]
+}
+
+/// What a solution needs of the programs that shade: pipelines are made anew where it changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Needs {
+    /// How radiosity is looked up.
+    pub lookup: Lookup,
+    /// Whether light passes through anything.
+    pub glass: bool,
 }
 
 impl Program {

@@ -85,8 +85,12 @@ pub struct MaterialInfo {
     pub dielectric: f32,
     /// Width α of the specular lobe, 0 for an ideal mirror, negative for none.
     pub alpha: f32,
+    /// Share of what is not reflected that goes on through it, beside its colour.
+    pub passes: f32,
+    /// Whether it bounds a solid, and is not a pane.
+    pub solid: u32,
     /// Nothing.
-    pub padding: [u32; 3],
+    pub padding: u32,
 }
 
 /// `TextureInfo` of `shaders/shared/scene.wgsl`.
@@ -128,11 +132,11 @@ pub struct TreeTriangle {
     /// Corner 1.
     pub b: Vec3,
     /// Nothing.
-    pub padding_1: u32,
+    pub padding_0: u32,
     /// Corner 2.
     pub c: Vec3,
     /// Nothing.
-    pub padding_2: u32,
+    pub padding_1: u32,
 }
 
 /// `Tree` of `shaders/shared/rays.wgsl`.
@@ -265,7 +269,9 @@ pub fn materials(geometry: &Geometry) -> Vec<MaterialInfo> {
             metallic: m.metallic.clamp(0.0, 1.0),
             dielectric: m.coat_reflectance(),
             alpha: m.alpha().unwrap_or(-1.0),
-            padding: [0; 3],
+            passes: m.passes(),
+            solid: m.solid.into(),
+            padding: 0,
         })
         .collect()
 }
@@ -335,8 +341,7 @@ pub fn tree_nodes(accel: &Accel) -> (Vec<Node>, Vec<TreeTriangle>) {
             high: n.bounds[1],
             first: n.first + if n.count > 0 { triangle_base } else { node_base },
         }));
-        let numbered = tree.triangles().zip(tree.numbers());
-        triangles.extend(numbered.map(|([a, b, c], number)| TreeTriangle {
+        triangles.extend(tree.triangles().map(|(number, [a, b, c])| TreeTriangle {
             a,
             number,
             b,

@@ -146,10 +146,15 @@ fn arrivals_by(world: &World, emitter: &Emitter, position: Vec3, asking: &Asking
                     (wi, lamp.intensity_towards(-wi) / d2, Ray::between(position, lamp.position()))
                 }
             };
-            let seen = normal_irradiance.is_finite()
-                && normal_irradiance != Vec3::ZERO
-                && !world.accel.occluded(&ray);
-            if seen { vec![Arrival { direction, normal_irradiance }] } else { Vec::new() }
+            if normal_irradiance == Vec3::ZERO || !normal_irradiance.is_finite() {
+                return Vec::new();
+            }
+            let normal_irradiance = normal_irradiance * world.transmittance(&ray);
+            if normal_irradiance == Vec3::ZERO {
+                Vec::new()
+            } else {
+                vec![Arrival { direction, normal_irradiance }]
+            }
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec::new(),
         Emitter::Area(area) if area.triangles.len() > MESHED => {
@@ -208,11 +213,13 @@ fn sampled(world: &World, area: &AreaEmitter, position: Vec3, asking: &Asking) -
         .sum();
     let scale = if total > 0.0 { (exact / total) as f32 } else { 0.0 };
     raw.into_iter()
-        .filter(|(_, _, point)| !world.accel.occluded(&Ray::between(position, point.position)))
         .map(|(direction, weight, point)| Arrival {
             direction,
-            normal_irradiance: point.radiance * (weight * scale),
+            normal_irradiance: point.radiance
+                * world.transmittance(&Ray::between(position, point.position))
+                * (weight * scale),
         })
+        .filter(|arrival| arrival.normal_irradiance != Vec3::ZERO)
         .collect()
 }
 
@@ -256,9 +263,16 @@ impl Leaves<'_> {
         }
         let radiance = self.radiance((corners[0] + corners[1] + corners[2]) / 3.0);
         let ray = Ray::between(self.position, self.position + centre);
-        if radiance == Vec3::ZERO || self.world.accel.occluded_past(&ray, self.blockers) {
+        if radiance == Vec3::ZERO {
             return;
         }
+        let radiance = if self.world.glass {
+            radiance * self.world.transmittance(&ray)
+        } else if self.world.accel.occluded_past(&ray, self.blockers) {
+            Vec3::ZERO
+        } else {
+            radiance
+        };
         let vector = vector_irradiance([a, b, c].map(|p| p - self.position));
         let vector = if vector.dot(centre.as_dvec3()) < 0.0 { -vector } else { vector };
         let direction = vector.normalize_or_zero().as_vec3();

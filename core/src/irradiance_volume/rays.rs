@@ -22,6 +22,7 @@ use crate::{
     scene::{
         accel::{Hit, Ray},
         geometry::Surface,
+        glass::Side,
         world::World,
     },
 };
@@ -242,8 +243,8 @@ pub fn trace_point(
                 let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
                 if !world.geometry.is_lit(&surface) {
                     backs += 1;
-                } else if world.geometry.material_of(hit.triangle).is_mirror() {
-                    walk.reflect(bin, direction, &surface, Vec3::splat(share));
+                } else if passes_on(world, hit.triangle) {
+                    walk.pass_on(bin, direction, &surface, Vec3::splat(share));
                 } else {
                     element = walk.element(&hit, &surface);
                     if world.geometry.material_of(hit.triangle).emission != Vec3::ZERO {
@@ -279,7 +280,25 @@ pub fn trace_point(
     hits
 }
 
-/// Where a ray goes, by way of mirrors until a dull surface or until less than `cutoff` is left of it: the
+/// Whether rays go on from a surface: by a mirror, or through glass.
+fn passes_on(world: &World, triangle: u32) -> bool {
+    let material = world.geometry.material_of(triangle);
+    material.is_mirror() || material.is_glass()
+}
+
+/// Where a ray goes on from a surface that mirrors or lets pass, with what share of the light, and whether it only
+/// met a pane.
+fn onward(world: &World, surface: &Surface, direction: Vec3) -> (Ray, Vec3, bool) {
+    let brdf = world.geometry.brdf(surface);
+    if let Some(glass) = brdf.glass {
+        let passed = glass.pass_or_reflect(surface, direction);
+        return (passed.ray, passed.share, glass.side == Side::Pane);
+    }
+    let share = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(-direction.dot(surface.normal)));
+    (surface.mirrored(direction), share, false)
+}
+
+/// Where a ray goes, by way of mirrors and through glass until a dull surface or until less than `cutoff` is left of it: the
 /// places from its origin on, and whether it ends on a side that sends light. `None` where it meets nothing.
 pub fn chain(world: &World, cutoff: f32, origin: Vec3, direction: Vec3) -> Option<(Vec<Vec3>, bool)> {
     let (mut places, mut ray) = (vec![origin], Ray::new(origin, direction));
@@ -291,15 +310,15 @@ pub fn chain(world: &World, cutoff: f32, origin: Vec3, direction: Vec3) -> Optio
         if !world.geometry.is_lit(&surface) {
             return Some((places, false));
         }
-        if !world.geometry.material_of(hit.triangle).is_mirror() {
+        if !passes_on(world, hit.triangle) {
             return Some((places, true));
         }
-        let specular = world.geometry.brdf(&surface).specular;
-        left *= specular.map_or(Vec3::ZERO, |s| s.reflectance(-ray.direction.dot(surface.normal)));
+        let (onward, share, _) = onward(world, &surface, ray.direction);
+        left *= share;
         if left.max_element() < cutoff {
             return Some((places, false));
         }
-        ray = surface.mirrored(ray.direction);
+        ray = onward;
     }
     (places.len() > 1).then_some((places, false))
 }
@@ -322,18 +341,18 @@ impl<L: SurfaceLight> Walk<'_, L> {
         element
     }
 
-    /// Follows a ray that met a mirror, until it meets something diffuse or little is left of it.
-    fn reflect(&mut self, bin: u32, direction: Vec3, surface: &Surface, share: Vec3) {
+    /// Follows a ray that met a mirror or glass, until it meets something diffuse or little is left of it. Lamps
+    /// straight behind panes are direct light.
+    fn pass_on(&mut self, bin: u32, direction: Vec3, surface: &Surface, share: Vec3) {
         let (mut direction, mut surface) = (direction, *surface);
-        let mut attenuation = Vec3::ONE;
+        let (mut attenuation, mut straight) = (Vec3::ONE, true);
         for _ in 0..MOST_REFLECTIONS {
-            let cos_theta = -direction.dot(surface.normal);
-            let brdf = self.world.geometry.brdf(&surface);
-            attenuation *= brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(cos_theta));
+            let (ray, passed, pane) = onward(self.world, &surface, direction);
+            attenuation *= passed;
+            straight &= pane;
             if attenuation.max_element() < self.cutoff || attenuation == Vec3::ZERO {
                 return;
             }
-            let ray = surface.mirrored(direction);
             direction = ray.direction;
             let Some(hit) = self.world.accel.trace(&ray) else { return };
             surface = self.world.geometry.surface(hit.triangle, hit.barycentric, direction);
@@ -342,11 +361,11 @@ impl<L: SurfaceLight> Walk<'_, L> {
             }
             let material = self.world.geometry.material_of(hit.triangle);
             let factor = attenuation * share;
-            if material.emission != Vec3::ZERO {
+            if material.emission != Vec3::ZERO && !straight {
                 let source = Source::Emission(hit.triangle, surface.uv);
                 self.hits.extras.push(Extra { bin, source, factor });
             }
-            if !material.is_mirror() {
+            if !passes_on(self.world, hit.triangle) {
                 let element = self.element(&hit, &surface);
                 if element != NO_ELEMENT {
                     self.hits.extras.push(Extra { bin, source: Source::Element(element), factor });

@@ -95,7 +95,7 @@ impl MirrorPasses {
         let module = shaders::MIRROR_FOLLOW.module(device);
         let variant = |entry, general| {
             let groups = [&scene.layout, &follow_layout];
-            compute_variant(device, &module, entry, &groups, &shaders::constants(general, scene.lookup()))
+            compute_variant(device, &module, entry, &groups, &shaders::constants(general, scene.needs()))
         };
         let compute = |entry| variant(entry, true);
         let begin = compute("begin");

@@ -197,7 +197,8 @@ impl Walk<'_> {
             let scramble = hash2(self.settings.scramble(pixel), depth);
             let next = self.view(&surface, view);
             let seen = self.shading.terms(&surface, scramble, -direction);
-            radiance += throughput * (seen.diffuse() + if next.is_none() { seen.wide } else { Vec3::ZERO });
+            radiance +=
+                throughput * (seen.all_but_wide() + if next.is_none() { seen.wide } else { Vec3::ZERO });
             let Some(next) = next else { break };
             let Some(specular) = geometry.brdf(&surface).specular else { break };
             throughput *= specular.reflectance(-direction.dot(surface.geometric_normal));

@@ -186,10 +186,7 @@ impl Images {
             Target::Point(point) => Ray::between(from, point),
             Target::Direction(wi) => Ray::new(from, wi),
         };
-        if world.accel.occluded(&on) {
-            return Vec3::ZERO;
-        }
-        specular.reflectance(-ray.direction.normalize().dot(surface.normal))
+        world.transmittance(&on) * specular.reflectance(-ray.direction.normalize().dot(surface.normal))
     }
 }
 

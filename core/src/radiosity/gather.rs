@@ -321,13 +321,15 @@ fn gather_row(
             direction -= 2.0 * below * geometric_normal;
         }
         let Some(found) = world.accel.trace(&Ray::new(origin, direction)) else { continue };
-        at_once += usize::from(found.t < AT_ONCE_SPACINGS * map.spacing_m);
+        let material = world.geometry.material_of(found.triangle);
+        at_once += usize::from(found.t < AT_ONCE_SPACINGS * map.spacing_m && !material.is_glass());
         let xi = unit_f32(hash2(hash2(number, seed), j as u32));
         match draw(&found, direction, xi) {
             Some(drawn) => *hit = drawn,
+            None if material.is_glass() => {}
             None => near_backs += u32::from(found.t < NEAR_SPACINGS * map.spacing_m),
         }
-        if lobes.any() && world.geometry.material_of(found.triangle).is_specular() {
+        if lobes.any() && material.is_specular() {
             let mut rng = Rng::new(u64::from(seed), u64::from(number) << 32 | j as u64);
             lobes.follow(world, (found, direction), &mut rng, draw, seen);
         }

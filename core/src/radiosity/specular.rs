@@ -1,4 +1,4 @@
-//! What specular lobes pass on to dull surfaces: L(D|S)*S D, the ways on which light in a room goes on after
+//! What specular lobes and glass pass on to dull surfaces: L(D|S)*S D, the ways on which light in a room goes on after
 //! it met something polished.
 //!
 //! A gather ray that meets a lobe goes on by it, a chain of lobes included, until it meets nothing or is given
@@ -6,7 +6,7 @@
 //! rays remember it; a luminous surface met, as a place with a factor. Lobes that are wide or lamps that are
 //! small are found the other way round: from the place on the lobe a point of each emitter is asked, and both
 //! are weighted by the balance heuristic (Veach and Guibas 1995). Flat ideal mirrors have [`crate::mirror::thrown`]
-//! for the light that reaches a dull surface by one of them.
+//! for the light that reaches a dull surface by one of them; lamps straight behind panes of glass are direct light.
 //!
 //! Limits: a lamp without a surface is missed behind a lobe and a mirror after it. What was traced holds for
 //! where the objects stood: of lobes that moved since nothing comes, and of emitters what places on lobes find.
@@ -23,6 +23,7 @@ use crate::{
         direct::Receiver,
         emitters::Emitter,
         geometry::{Geometry, Surface, offset_origin},
+        glass::Side,
         light_sample::LightSample,
         world::World,
     },
@@ -120,11 +121,16 @@ impl Lobes {
     ) {
         let geometry = &world.geometry;
         let mut left = Vec3::ONE;
+        // Whether who looks along the ray finds lamps straight on, behind panes too, by himself.
+        let mut found = true;
         for bounce in 0..MOST_LOBES {
             let surface = geometry.surface(hit.triangle, hit.barycentric, direction);
             let Some(brdf) = lobe(geometry, &surface) else { return };
             let wo = -direction;
-            let expected = left * brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(wo.dot(surface.normal)));
+            let reflected = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(wo.dot(surface.normal)));
+            let glass = brdf.glass.and_then(|g| Some((g.pass(&surface, direction)?, g.side == Side::Pane)));
+            let through = glass.map_or(Vec3::ZERO, |(passed, _)| passed.share);
+            let expected = left * (reflected + through);
             let survival = (expected.max_element() / SURE_SHARE).min(1.0);
             if rng.next_f32() >= survival {
                 return;
@@ -137,26 +143,34 @@ impl Lobes {
                 let Hit { triangle, barycentric, .. } = hit;
                 seen.places.push(Place { triangle, barycentric, direction, factor: left / remembered });
             }
-            let Some(drawn) = brdf.sample(surface.normal, wo, 0.0, rng.next_vec2()) else { return };
-            if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
-                return;
-            }
-            left *= drawn.specular;
-            let origin = offset_origin(surface.position, surface.geometric_normal);
-            let Some(next) = world.accel.trace(&Ray::new(origin, drawn.wi)) else { return };
-            let met = geometry.surface(next.triangle, next.barycentric, drawn.wi);
+            let chance = through.max_element() / (through + reflected).max_element().max(f32::MIN_POSITIVE);
+            let passes = if brdf.glass.is_some() && rng.next_f32() < chance { glass } else { None };
+            let (ray, density) = if let Some((passed, pane)) = passes {
+                left *= passed.share / chance;
+                found &= pane;
+                (passed.ray, None)
+            } else {
+                let Some(drawn) = brdf.sample(surface.normal, wo, 0.0, rng.next_vec2()) else { return };
+                if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
+                    return;
+                }
+                left *= drawn.specular / (1.0 - chance);
+                found = if mirror { bounce == 0 && self.images.covers(hit.triangle) } else { true };
+                let origin = offset_origin(surface.position, surface.geometric_normal);
+                (Ray::new(origin, drawn.wi), Some(drawn.density))
+            };
+            let Some(next) = world.accel.trace(&ray) else { return };
+            let met = geometry.surface(next.triangle, next.barycentric, ray.direction);
             if geometry.material_of(next.triangle).emission != Vec3::ZERO && geometry.is_lit(&met) {
-                let by_image = bounce == 0 && mirror && self.images.covers(hit.triangle);
-                let weight = match (by_image, mirror) {
-                    (true, _) => 0.0,
-                    (_, true) => 1.0,
-                    _ => {
-                        let cosine = met.geometric_normal.dot(drawn.wi).abs();
+                let weight = match density {
+                    Some(density) if density.is_finite() => {
+                        let cosine = met.geometric_normal.dot(ray.direction).abs();
                         let area =
                             self.areas.get(&emitter_of(geometry, next.triangle)).copied().unwrap_or(0.0);
                         let light = next.t * next.t / (area * cosine);
-                        if light.is_finite() { drawn.density / (drawn.density + light) } else { 1.0 }
+                        if light.is_finite() { density / (density + light) } else { 1.0 }
                     }
+                    _ => f32::from(u8::from(!found)),
                 };
                 if weight > 0.0 {
                     let (by, factor) = (geometry.object[hit.triangle as usize], left * weight);
@@ -164,11 +178,11 @@ impl Lobes {
                 }
             }
             let (xi, remembered) = (rng.next_f32(), (left.max_element() / SURE_TO_REMEMBER).min(1.0));
-            let met = if xi < remembered { element(&next, drawn.wi, rng.next_f32()) } else { None };
+            let met = if xi < remembered { element(&next, ray.direction, rng.next_f32()) } else { None };
             if let Some(element) = met {
                 seen.elements.push((element, left / remembered));
             }
-            (hit, direction) = (next, drawn.wi);
+            (hit, direction) = (next, ray.direction);
         }
     }
 
@@ -222,14 +236,18 @@ impl Lobes {
                 continue;
             };
             let (wi, wo) = (sample.wi, -place.direction);
+            let [_, value] = brdf.value(normal, wi, wo);
+            let light = place.factor * value * sample.radiance_over_density * normal.dot(wi);
+            if light == Vec3::ZERO || !light.is_finite() {
+                continue;
+            }
+            let (share, panes) = world.straight(&sample.ray);
             let weight = match sample.density {
-                Some(light) if !moved => light / (light + brdf.density(normal, wi, wo)),
+                Some(light) if !moved && !panes => light / (light + brdf.density(normal, wi, wo)),
                 _ => 1.0,
             };
-            let [_, value] = brdf.value(normal, wi, wo);
-            let light = place.factor * value * sample.radiance_over_density * (normal.dot(wi) * weight);
-            if light != Vec3::ZERO && light.is_finite() && !world.accel.occluded(&sample.ray) {
-                add(light * (stride as f32 * PI));
+            if share != Vec3::ZERO {
+                add(light * share * (weight * stride as f32 * PI));
             }
         }
         (sum, squares)
@@ -248,10 +266,11 @@ impl Seen {
     }
 }
 
-/// The specular part by itself of what a surface does to light.
+/// What a surface does to light but for its diffuse part.
 fn lobe(geometry: &Geometry, surface: &Surface) -> Option<Brdf> {
-    let specular = geometry.brdf(surface).specular?;
-    Some(Brdf { diffuse: Vec3::ZERO, specular: Some(specular) })
+    let brdf = geometry.brdf(surface);
+    brdf.specular?;
+    Some(Brdf { diffuse: Vec3::ZERO, ..brdf })
 }
 
 /// Object and material of a triangle: what makes an area emitter.

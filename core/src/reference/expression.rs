@@ -1,8 +1,9 @@
 //! Light-path expressions: which paths count (Heckbert 1990, as Bastos 1999, §4.2 uses them).
 //!
 //! A path is written from the light to the eye: `L`, one letter a surface, `D` where its Lambertian part
-//! reflects and `S` where its specular lobe does, then `E`. An expression is a regular expression over these
-//! letters: `LDE`, `L(D|S)*SE`, `LE|LD{2}E`. Paths are traced from the eye, so what is compiled is the
+//! reflects and `S` where its specular lobe does, then `E`. A solid of glass
+//! that light goes through is an `S` too, a pane is no letter. An expression is a regular expression over
+//! these letters: `LDE`, `L(D|S)*SE`, `LE|LD{2}E`. Paths are traced from the eye, so what is compiled is the
 //! expression read backwards, by derivatives (Brzozowski 1964), into a table of states.
 
 use std::{fmt, str::FromStr};

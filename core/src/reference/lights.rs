@@ -209,9 +209,11 @@ fn area_contribution(
     if cosine <= 0.0 {
         return Vec3::ZERO;
     }
-    let e = seen.radiance * (cosine / (seen.density + cosine * FRAC_1_PI));
-    if e == Vec3::ZERO {
+    if seen.radiance == Vec3::ZERO {
         return Vec3::ZERO;
     }
-    if world.accel.occluded(&seen.ray) { Vec3::ZERO } else { e }
+    let (share, panes) = world.straight(&seen.ray);
+    // What is hit by way of a pane is not counted.
+    let hit = if panes { 0.0 } else { cosine * FRAC_1_PI };
+    share * seen.radiance * (cosine / (seen.density + hit))
 }

@@ -73,13 +73,13 @@ impl std::fmt::Debug for WorldRef<'_> {
 /// Radiance of one camera path by term, cd/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// Emitted by the surface seen.
+    /// Emitted by the surface seen, panes of glass before it or not.
     pub emitted: Vec3,
     /// Reflected after one bounce.
     pub direct: Vec3,
     /// Reflected after more.
     pub indirect: Vec3,
-    /// Reflected by an ideal mirror.
+    /// Reflected by an ideal mirror or bent by glass.
     pub mirror: Vec3,
     /// Reflected by a wider specular lobe.
     pub glossy: Vec3,
@@ -162,7 +162,8 @@ impl<'a> PathTracer<'a> {
         if self.specular {
             let selection = self.lights.first_selection();
             let found = self.reflected(&surface, -ray.direction, selection, &self.terms, rng);
-            let [_, direct, indirect, specular] = found.radiance;
+            let [through_panes, direct, indirect, specular] = found.radiance;
+            let emitted = emitted + through_panes;
             let is_mirror = geometry.brdf(&surface).specular.is_some_and(|s| s.is_mirror());
             let (mirror, glossy) = if is_mirror { (specular, Vec3::ZERO) } else { (Vec3::ZERO, specular) };
             return Terms { emitted, direct, indirect, mirror, glossy, vertices: found.vertices };
@@ -217,7 +218,7 @@ impl<'a> PathTracer<'a> {
             return out;
         }
         if self.specular {
-            let found = self.reflected(&next, -wi, Selection::One, &self.terms, rng);
+            let found = self.leaving((&next, -wi), true, Selection::One, &self.terms, rng);
             out.indirect += found.total() * PI;
             out.vertices += found.vertices;
             return out;

@@ -1,14 +1,15 @@
-//! Light that leaves a surface of any material: paths that scatter from diffuse parts and specular lobes.
+//! Light that leaves a surface of any material: paths that scatter from diffuse parts and specular lobes, and go on
+//! through glass.
 //!
 //! At every vertex the emitters are sampled, and a direction is drawn from the material's own
 //! distribution; the two are weighted by the balance heuristic (Veach and Guibas 1995). What an ideal
 //! mirror sends into its one direction no emitter sample can find, and counts whole. A path carries one
 //! throughput a state of an [`Automaton`], so that both parts of a surface go on along one direction and
-//! are still told apart.
+//! are still told apart. A lamp behind panes of glass is found by emitter samples alone; passing a pane is no event.
 //!
 //! Limit: a point or directional lamp has no surface that a ray could hit. What one flat mirror throws of it is
 //! added at each vertex ([`crate::mirror::thrown`]); by way of two, or of a curved one, it is missing here as
-//! everywhere in the program, and so is its image.
+//! everywhere in the program, and so are its image and what a solid of glass would throw of it.
 
 use super::{
     expression::{Automaton, Expression, MOST_STATES},
@@ -17,7 +18,13 @@ use super::{
 };
 use crate::{
     math::random::Rng,
-    scene::{accel::Ray, brdf::Brdf, geometry::Surface, light_sample::LightSample},
+    scene::{
+        accel::Ray,
+        brdf::Brdf,
+        geometry::Surface,
+        glass::{Glass, Passed, Side},
+        light_sample::LightSample,
+    },
 };
 use glam::{Vec2, Vec3};
 
@@ -56,6 +63,11 @@ impl Carried<'_> {
         }
     }
 
+    /// The same, a share of it.
+    fn times(&self, share: Vec3) -> Self {
+        Self { throughput: self.throughput.map(|t| t * share), ..*self }
+    }
+
     /// One more surface, with what its Lambertian part and its lobe pass on.
     fn after(&self, parts: [Vec3; 2]) -> Self {
         let mut throughput = [Vec3::ZERO; MOST_STATES];
@@ -75,12 +87,24 @@ impl Carried<'_> {
 }
 
 impl PathTracer<'_> {
-    /// One sample of the radiance that a surface reflects along `wo`, which points away from it, told apart
-    /// by an automaton that stands at the eye.
+    /// One sample of the radiance that a surface reflects or lets pass along `wo`, which points away from it, told
+    /// apart by an automaton that stands at the eye.
     pub fn reflected(
         &self,
         start: &Surface,
         wo: Vec3,
+        selection: Selection,
+        automaton: &Automaton,
+        rng: &mut Rng,
+    ) -> Reflected {
+        self.leaving((start, wo), false, selection, automaton, rng)
+    }
+
+    /// [`Self::reflected`]; `lit` says whether who looks along `wo` has asked the lamps behind panes himself.
+    pub(super) fn leaving(
+        &self,
+        (start, wo): (&Surface, Vec3),
+        mut lit: bool,
         selection: Selection,
         automaton: &Automaton,
         rng: &mut Rng,
@@ -108,12 +132,28 @@ impl PathTracer<'_> {
                 let here = carried.after(brdf.value(surface.normal, wi, wo).map(|f| f * cosine));
                 here.after([Vec3::ZERO, Vec3::ONE]).add(light, &mut out);
             }
-            let (part, u) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
-            let Some(drawn) = brdf.sample(surface.normal, wo, part, u) else { break };
-            if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
-                break;
-            }
-            carried = carried.after([drawn.diffuse, drawn.specular]);
+            let glass = brdf.glass.map(|glass| self.through(&glass, &brdf, &surface, wo));
+            let chance = glass.as_ref().map_or(0.0, |g| g.1);
+            let (ray, density) = match glass {
+                Some((Some(passed), chance)) if rng.next_f32() < chance => {
+                    let share = passed.share / chance;
+                    let pane = brdf.glass.is_some_and(|g| g.side == Side::Pane);
+                    carried = if pane { carried.times(share) } else { carried.after([Vec3::ZERO, share]) };
+                    lit &= pane;
+                    (passed.ray, None)
+                }
+                _ => {
+                    let (part, u) = (rng.next_f32(), Vec2::new(rng.next_f32(), rng.next_f32()));
+                    let Some(drawn) = brdf.sample(surface.normal, wo, part, u) else { break };
+                    if surface.geometric_normal.dot(drawn.wi) <= 0.0 {
+                        break;
+                    }
+                    let other = 1.0 / (1.0 - chance);
+                    carried = carried.after([drawn.diffuse * other, drawn.specular * other]);
+                    lit = drawn.density.is_finite();
+                    (Ray::new(vertex.origin(), drawn.wi), Some(drawn.density))
+                }
+            };
             let left = carried.largest();
             if bounce >= SURE_BOUNCES {
                 let survival = left.min(1.0);
@@ -125,19 +165,22 @@ impl PathTracer<'_> {
             if left == 0.0 {
                 break;
             }
-            let Some(hit) = self.world().accel.trace(&Ray::new(vertex.origin(), drawn.wi)) else { break };
-            let next = geometry.surface(hit.triangle, hit.barycentric, drawn.wi);
+            let Some(hit) = self.world().accel.trace(&ray) else { break };
+            let next = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
             let emission = geometry.emission(&next);
             if emission != Vec3::ZERO {
-                let weight = if drawn.density.is_infinite() {
-                    1.0
-                } else {
-                    let light = self.lights().density(self.world(), &next, drawn.wi, hit.t, selection);
-                    drawn.density / (drawn.density + light)
+                let weight = match density {
+                    Some(density) if density.is_finite() => {
+                        let light =
+                            self.lights().density(self.world(), &next, ray.direction, hit.t, selection);
+                        density / (density + light)
+                    }
+                    Some(_) => 1.0,
+                    None => f32::from(u8::from(!lit)),
                 };
                 carried.add(emission * weight, &mut out);
             }
-            (surface, wo, selection) = (next, -drawn.wi, Selection::One);
+            (surface, wo, selection) = (next, -ray.direction, Selection::One);
         }
         out
     }
@@ -157,15 +200,25 @@ impl PathTracer<'_> {
         if cosine <= 0.0 || surface.geometric_normal.dot(sample.wi) <= 0.0 {
             return [Vec3::ZERO; 2];
         }
-        let weight = match sample.density {
-            Some(light) => light / (light + brdf.density(surface.normal, sample.wi, wo)),
-            None => 1.0,
-        };
         let values = brdf.value(surface.normal, sample.wi, wo);
-        let light = sample.radiance_over_density * (cosine * weight);
-        if values == [Vec3::ZERO; 2] || self.world().accel.occluded(&sample.ray) {
-            return [Vec3::ZERO; 2];
+        if values == [Vec3::ZERO; 2] {
+            return values;
         }
+        let (share, panes) = self.world().straight(&sample.ray);
+        let weight = match sample.density {
+            Some(light) if !panes => light / (light + brdf.density(surface.normal, sample.wi, wo)),
+            _ => 1.0,
+        };
+        let light = share * sample.radiance_over_density * (cosine * weight);
         values.map(|f| f * light)
+    }
+
+    /// What passes a surface of glass, and the chance with which a path follows that and not what is reflected.
+    fn through(&self, glass: &Glass, brdf: &Brdf, surface: &Surface, wo: Vec3) -> (Option<Passed>, f32) {
+        let passed = glass.pass(surface, -wo);
+        let through = passed.map_or(0.0, |p| p.share.max_element());
+        let lobe = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(surface.normal.dot(wo)));
+        let other = lobe.max_element() + brdf.diffuse.max_element();
+        (passed, through / (through + other).max(f32::MIN_POSITIVE))
     }
 }

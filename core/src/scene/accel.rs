@@ -123,14 +123,10 @@ impl<'a> TreeView<'a> {
         })
     }
 
-    /// Numbers of the triangles in the order that leaves count them.
-    pub fn numbers(self) -> impl Iterator<Item = u32> + 'a {
-        self.tree.triangle.iter().copied()
-    }
-
-    /// Corners of the triangles in the order that leaves count them.
-    pub fn triangles(self) -> impl Iterator<Item = [Vec3; 3]> + 'a {
-        self.tree.corners.iter().map(|t| [t.v0, t.v1, t.v2].map(Vec3::from))
+    /// Numbers and corners of the triangles in the order that leaves count them.
+    pub fn triangles(self) -> impl Iterator<Item = (u32, [Vec3; 3])> + 'a {
+        let corners = self.tree.corners.iter().map(|t| [t.v0, t.v1, t.v2].map(Vec3::from));
+        self.tree.triangle.iter().copied().zip(corners)
     }
 }
 

@@ -6,7 +6,10 @@
 //! stays Lambertian, which radiosity is built on, and energy holds for uniform light; seen at a grazing
 //! angle, a bright coated surface may return up to its diffuse reflectance too much.
 
-use super::fresnel;
+use super::{
+    fresnel,
+    glass::{Glass, Side},
+};
 use crate::math::frame::{cosine_direction, frame_from_normal, mirrored};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -18,10 +21,12 @@ pub struct Brdf {
     pub diffuse: Vec3,
     /// The specular lobe.
     pub specular: Option<Specular>,
+    /// What passes through.
+    pub glass: Option<Glass>,
 }
 
 /// A specular lobe: a mix by area of polished metal and a clear coat.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Specular {
     /// Normal reflectance of the metal per channel.
     pub metal: Vec3,
@@ -29,6 +34,8 @@ pub struct Specular {
     pub metallic: f32,
     /// Normal reflectance of the coat.
     pub dielectric: f32,
+    /// From where the coat is met.
+    pub side: Side,
     /// Width α of the GGX distribution; 0 is an ideal mirror.
     pub alpha: f32,
 }
@@ -42,7 +49,7 @@ impl Specular {
 
     /// [`Self::reflectance`] with an angle for the metal and one for the coat.
     pub fn reflectance_at(&self, metal_cosine: f32, coat_cosine: f32) -> Vec3 {
-        let coat = fresnel::reflectance(self.dielectric, coat_cosine);
+        let coat = self.side.reflectance(self.dielectric, coat_cosine);
         self.metallic * fresnel::reflectance_rgb(self.metal, metal_cosine)
             + Vec3::splat((1.0 - self.metallic) * coat)
     }
@@ -67,9 +74,17 @@ pub struct Scattered {
 }
 
 impl Brdf {
-    /// Whether nothing is reflected.
+    /// Whether nothing is reflected and nothing passes.
     pub fn is_black(&self) -> bool {
-        self.diffuse == Vec3::ZERO && self.specular.is_none()
+        self.diffuse == Vec3::ZERO && self.specular.is_none() && self.glass.is_none()
+    }
+
+    /// The same of a solid's boundary met from within.
+    pub(super) fn from_inside(self) -> Self {
+        let within = |side| if side == Side::Outside { Side::Inside } else { side };
+        let Some(glass) = self.glass else { return self };
+        let specular = self.specular.map(|s| Specular { side: within(s.side), ..s });
+        Self { specular, glass: Some(Glass { side: within(glass.side), ..glass }), ..self }
     }
 
     /// Value f of the Lambertian part and of the specular lobe, 1/sr per channel; that of an ideal mirror,

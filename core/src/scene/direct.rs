@@ -57,7 +57,7 @@ pub fn irradiance(
                 LampKind::Directional { .. } => Ray::new(receiver.origin(), -lamp.axis()),
                 _ => Ray::between(receiver.origin(), lamp.position()),
             };
-            if e == Vec3::ZERO || world.accel.occluded(&ray) { Vec3::ZERO } else { e }
+            if e == Vec3::ZERO { e } else { e * world.transmittance(&ray) }
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO || below_horizon(area, receiver) => Vec3::ZERO,
         Emitter::Area(area) if has_closed_form(area) => {
@@ -69,8 +69,8 @@ pub fn irradiance(
             let mut sum = Vec3::ZERO;
             for j in 0..samples.max(1) {
                 let sample = area_sample(world, area, receiver, j, scramble);
-                if let Some(sample) = sample.filter(|s| s.is_seen(world, receiver)) {
-                    sum += sample.radiance * sample.weight;
+                if let Some(sample) = sample {
+                    sum += sample.radiance * sample.seen(world, receiver) * sample.weight;
                 }
             }
             sum * (area.area() / samples.max(1) as f32)
@@ -97,7 +97,7 @@ pub fn mean_irradiance<'a>(
         for (receiver, scramble) in receivers.filter(|(r, _)| !below_horizon(area, r)) {
             light.add(world, area, receiver, samples, scramble);
         }
-        return area.radiance * (light.factor() / count);
+        return area.radiance * light.factor() / count;
     }
     receivers.fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble))
         / count
@@ -107,7 +107,7 @@ pub fn mean_irradiance<'a>(
 #[derive(Default)]
 struct PartlyHidden {
     unshadowed: f32,
-    visible: f32,
+    visible: Vec3,
     total: f32,
 }
 
@@ -121,13 +121,13 @@ impl PartlyHidden {
         for j in 0..samples.max(1) {
             let Some(sample) = area_sample(world, area, receiver, j, scramble) else { continue };
             self.total += sample.weight;
-            self.visible += if sample.is_seen(world, receiver) { sample.weight } else { 0.0 };
+            self.visible += sample.seen(world, receiver) * sample.weight;
         }
     }
 
     /// Sum over the receivers, sr projected.
-    fn factor(&self) -> f32 {
-        if self.total > 0.0 { self.unshadowed * (self.visible / self.total) } else { 0.0 }
+    fn factor(&self) -> Vec3 {
+        if self.total > 0.0 { self.visible * (self.unshadowed / self.total) } else { Vec3::ZERO }
     }
 }
 
@@ -196,8 +196,9 @@ pub(crate) struct AreaSample {
 }
 
 impl AreaSample {
-    fn is_seen(&self, world: &World, receiver: &Receiver) -> bool {
-        !world.accel.occluded(&Ray::between(receiver.origin(), self.target))
+    /// Share of it that arrives.
+    fn seen(&self, world: &World, receiver: &Receiver) -> Vec3 {
+        world.transmittance(&Ray::between(receiver.origin(), self.target))
     }
 }
 

@@ -207,7 +207,14 @@ impl Geometry {
         if !self.is_lit(surface) {
             return Brdf::default();
         }
-        self.material_of(surface.triangle).brdf_at(surface.uv, &self.textures)
+        let front = self.material_of(surface.triangle).brdf_at(surface.uv, &self.textures);
+        if surface.back { front.from_inside() } else { front }
+    }
+
+    /// Whether light passes through any triangle.
+    pub fn has_glass(&self) -> bool {
+        self.materials.iter().any(Material::is_glass)
+            && self.material.iter().any(|&m| self.materials[m as usize].is_glass())
     }
 
     /// Whether any triangle has a specular lobe.

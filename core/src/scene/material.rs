@@ -3,6 +3,7 @@
 use super::{
     brdf::{Brdf, Specular},
     fresnel,
+    glass::{Glass, Side},
 };
 use crate::math::image::LinearImage;
 use glam::{Vec2, Vec3};
@@ -37,6 +38,10 @@ pub struct Material {
     pub metallic: f32,
     /// Index of refraction of the coat of what is no metal (KHR_materials_ior).
     pub ior: f32,
+    /// Share of what its coat does not reflect that goes on through it (KHR_materials_transmission).
+    pub transmission: f32,
+    /// Whether it bounds a solid that bends light, and is not a thin pane (KHR_materials_volume).
+    pub solid: bool,
     /// Whether the back reflects and emits as the front does; a single-sided back is black.
     pub double_sided: bool,
 }
@@ -52,6 +57,8 @@ impl Default for Material {
             roughness: 1.0,
             metallic: 0.0,
             ior: 1.5,
+            transmission: 0.0,
+            solid: false,
             double_sided: false,
         }
     }
@@ -64,14 +71,25 @@ impl Material {
         self.metallic > 0.5 && self.roughness < MIRROR_ROUGHNESS
     }
 
-    /// Whether it has a specular lobe.
-    pub fn is_specular(&self) -> bool {
-        self.roughness < DIFFUSE_ROUGHNESS && (self.metallic > 0.0 || self.ior != 1.0)
+    /// Share of what it does not reflect that goes on through it, beside its colour: t (1 − m).
+    pub fn passes(&self) -> f32 {
+        (self.transmission * (1.0 - self.metallic)).clamp(0.0, 1.0)
     }
 
-    /// Width α of its specular lobe, if it has one: the square of the roughness, 0 for an ideal mirror.
+    /// Whether light passes through it.
+    pub fn is_glass(&self) -> bool {
+        self.passes() > 0.0
+    }
+
+    /// Whether it has a specular lobe.
+    pub fn is_specular(&self) -> bool {
+        self.is_glass() || self.roughness < DIFFUSE_ROUGHNESS && (self.metallic > 0.0 || self.ior != 1.0)
+    }
+
+    /// Width α of its specular lobe, if it has one: the square of the roughness, 0 for an ideal mirror and for glass.
     pub fn alpha(&self) -> Option<f32> {
-        let alpha = if self.roughness < MIRROR_ROUGHNESS { 0.0 } else { self.roughness * self.roughness };
+        let sharp = self.is_glass() || self.roughness < MIRROR_ROUGHNESS;
+        let alpha = if sharp { 0.0 } else { self.roughness * self.roughness };
         self.is_specular().then_some(alpha)
     }
 
@@ -81,15 +99,18 @@ impl Material {
     }
 
     /// Share of the base colour that is Lambertian reflectance: 1 without a specular lobe, else what is no
-    /// metal and lies beneath a coat, (1 − m)(1 − F̄).
+    /// metal, lies beneath a coat and lets nothing pass, (1 − m)(1 − F̄)(1 − t).
     pub fn diffuse_share(&self) -> f32 {
         if !self.is_specular() {
             return 1.0;
         }
-        (1.0 - self.metallic.clamp(0.0, 1.0)) * (1.0 - fresnel::hemispherical(self.coat_reflectance()))
+        let passes_nothing = 1.0 - self.transmission.clamp(0.0, 1.0);
+        (1.0 - self.metallic.clamp(0.0, 1.0))
+            * (1.0 - fresnel::hemispherical(self.coat_reflectance()))
+            * passes_nothing
     }
 
-    /// What it does to light at texture coordinates.
+    /// What its front does to light at texture coordinates.
     pub fn brdf_at(&self, uv: Vec2, textures: &[std::sync::Arc<Texture>]) -> Brdf {
         self.brdf_of(self.reflectance_at(uv, textures))
     }
@@ -99,15 +120,22 @@ impl Material {
         self.alpha().is_some_and(|alpha| alpha > 0.0)
     }
 
-    /// What it does to light where its base colour is this.
+    /// What its front does to light where its base colour is this.
     pub fn brdf_of(&self, base: Vec3) -> Brdf {
+        let side = if self.is_glass() && !self.solid { Side::Pane } else { Side::Outside };
         let specular = self.alpha().map(|alpha| Specular {
             metal: base,
             metallic: self.metallic.clamp(0.0, 1.0),
             dielectric: self.coat_reflectance(),
+            side,
             alpha,
         });
-        Brdf { diffuse: base * self.diffuse_share(), specular }
+        let glass = self.is_glass().then(|| Glass {
+            tint: base * self.passes(),
+            dielectric: self.coat_reflectance(),
+            side,
+        });
+        Brdf { diffuse: base * self.diffuse_share(), specular, glass }
     }
 
     /// Lambertian reflectance at texture coordinates.

@@ -13,6 +13,7 @@ pub mod emitters;
 pub mod file;
 pub mod fresnel;
 pub mod geometry;
+pub mod glass;
 pub mod glossy;
 pub mod import;
 pub mod lamp;

@@ -15,6 +15,8 @@ pub struct World {
     pub accel: Accel,
     /// Everything that emits.
     pub emitters: Emitters,
+    /// Whether light passes through any of it.
+    pub glass: bool,
 }
 
 impl World {
@@ -23,7 +25,8 @@ impl World {
         let geometry = Geometry::new(scene);
         let accel = Accel::new(&geometry);
         let emitters = Emitters::new(scene, &geometry);
-        Self { geometry, accel, emitters }
+        let glass = geometry.has_glass();
+        Self { geometry, accel, emitters, glass }
     }
 
     /// Puts an object behind all others; returns its number. It has a tree of its own, but is not one of
@@ -31,6 +34,7 @@ impl World {
     pub fn add_object(&mut self, parts: &[(Arc<Mesh>, Material)], world_from_object: Affine3A) -> usize {
         let object = self.geometry.add_object(parts, world_from_object);
         self.accel.add_object(&self.geometry, object);
+        self.glass = self.geometry.has_glass();
         object
     }
 

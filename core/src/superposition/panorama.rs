@@ -66,8 +66,8 @@ fn radiance(shading: &Shading, at: Vec3, direction: Vec3) -> Vec3 {
         let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
         let seen = shading.terms(&surface, scramble, wo);
         let mirror = world.geometry.brdf(&surface).specular.filter(|s| s.is_mirror());
-        let Some(mirror) = mirror else { return sum + left * (seen.diffuse() + seen.wide) };
-        sum += left * seen.diffuse();
+        let Some(mirror) = mirror else { return sum + left * (seen.all_but_wide() + seen.wide) };
+        sum += left * seen.all_but_wide();
         left *= mirror.reflectance(wo.dot(surface.normal));
         ray = surface.mirrored(ray.direction);
     }

@@ -2,9 +2,10 @@
 //!
 //! At each pixel the radiance towards the eye is L = Lₑ + ρ/π · (E_direct + E_indirect) + L_specular:
 //! emitted, direct and indirect are the first three layers, and what a specular lobe reflects is one of
-//! the other two, from the room [`mirror`](crate::mirror). Direct light is evaluated at every pixel, for crisp
-//! shadows, or read from the radiosity elements while things move; indirect light is always read, bilinearly
-//! or as the plan's `lookup` has it.
+//! the other two, from the room [`mirror`](crate::mirror). What is seen through panes of glass stays in its own
+//! layers; what a solid of glass bends is specular and goes to the layer `mirror`. Direct light is evaluated at
+//! every pixel, for crisp shadows, or read from the radiosity elements while things move; indirect light is always
+//! read, bilinearly or as the plan's `lookup` has it.
 
 use super::{
     composite::DirectQuality,
@@ -26,7 +27,7 @@ use crate::{
         reflectors::{NO_REFLECTOR, Reflectors},
     },
     reference::path::receiver_of,
-    scene::{camera::Camera, direct::total_irradiance, geometry::Surface},
+    scene::{camera::Camera, direct::total_irradiance, geometry::Surface, glass::Side},
     transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
@@ -92,7 +93,7 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
     use rayon::prelude::*;
     let (solution, settings) = (shading.solution, &shading.settings);
     let buffer = GBuffer::new(&solution.world, camera, UVec2::new(width, height), settings.subpixel());
-    let mut shaded: Vec<[Vec3; COUNT]> = (0..buffer.triangle.len())
+    let (mut shaded, bent): (Vec<[Vec3; COUNT]>, Vec<Vec3>) = (0..buffer.triangle.len())
         .into_par_iter()
         .map(|pixel| match buffer.surface(&solution.world, camera, pixel) {
             Some(surface) => {
@@ -100,11 +101,11 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
                 let seen = shading.terms(&surface, settings.scramble(pixel as u32), wo);
                 let [mirror, glossy] =
                     if seen.is_mirror { [seen.wide, Vec3::ZERO] } else { [Vec3::ZERO, seen.wide] };
-                [seen.emitted, seen.direct, seen.indirect, mirror, glossy]
+                ([seen.emitted, seen.direct, seen.indirect, mirror, glossy], seen.bent)
             }
-            None => [Vec3::ZERO; COUNT],
+            None => ([Vec3::ZERO; COUNT], Vec3::ZERO),
         })
-        .collect();
+        .unzip();
     if shading.specular {
         let reflectors = Reflectors::new(&solution.world.geometry);
         if let Some(image) = mirror_image(shading, &reflectors, &buffer, camera, settings) {
@@ -125,6 +126,9 @@ fn frame(shading: &Shading, camera: &Camera, width: u32, height: u32) -> (GBuffe
                 out[Layer::Glossy as usize] = glossy;
             }
         });
+    }
+    for (pixel, bent) in shaded.iter_mut().zip(&bent) {
+        pixel[Layer::Mirror as usize] += *bent;
     }
     let mut layers = Layers::new(width, height);
     for (i, image) in layers.images.iter_mut().enumerate() {
@@ -182,12 +186,14 @@ pub struct SeenTerms {
     pub wide: Vec3,
     /// Whether that lobe is an ideal mirror's.
     pub is_mirror: bool,
+    /// Seen through solids of glass, and reflected by a lobe behind any glass.
+    pub bent: Vec3,
 }
 
 impl SeenTerms {
     /// All but the specular lobe.
-    pub fn diffuse(&self) -> Vec3 {
-        self.emitted + self.direct + self.indirect
+    pub fn all_but_wide(&self) -> Vec3 {
+        self.emitted + self.direct + self.indirect + self.bent
     }
 }
 
@@ -206,8 +212,28 @@ impl<'a> Shading<'a> {
         Self { solution, specular, moved: Cow::Borrowed(moved), settings: *settings }
     }
 
-    /// Radiance of a surface towards `wo`.
+    /// Radiance of a surface towards a unit `wo`, what is seen through it included.
     pub fn terms(&self, surface: &Surface, scramble: u32, wo: Vec3) -> SeenTerms {
+        let mut seen = self.own_terms(surface, scramble, wo);
+        let world = &self.solution.world;
+        if world.glass {
+            for (face, behind) in (1..).zip(world.seen_through(*surface, -wo)) {
+                let next = self.own_terms(&behind.surface, hash2(scramble, face), -behind.direction);
+                seen.bent += behind.share * next.wide;
+                if behind.bent {
+                    seen.bent += behind.share * next.all_but_wide();
+                } else {
+                    seen.emitted += behind.share * next.emitted;
+                    seen.direct += behind.share * next.direct;
+                    seen.indirect += behind.share * next.indirect;
+                }
+            }
+        }
+        seen
+    }
+
+    /// Of the surface by itself.
+    fn own_terms(&self, surface: &Surface, scramble: u32, wo: Vec3) -> SeenTerms {
         let (solution, settings) = (self.solution, &self.settings);
         let geometry = &solution.world.geometry;
         let emitted = geometry.emission(surface);
@@ -225,6 +251,9 @@ impl<'a> Shading<'a> {
         };
         let object = geometry.object[surface.triangle as usize];
         let (wide, is_mirror) = brdf.specular.map_or((Vec3::ZERO, false), |s| {
+            if s.side == Side::Inside {
+                return (Vec3::ZERO, s.is_mirror());
+            }
             if let Some(map) = solution.environments.number(surface.triangle) {
                 let map = &solution.environments.list[map as usize];
                 return (map.reflected(surface.position, surface.normal, wo, &s), s.is_mirror());
@@ -244,6 +273,6 @@ impl<'a> Shading<'a> {
             }
         };
         let indirect = share * stored(Part::Indirect);
-        SeenTerms { emitted, direct: share * direct, indirect, wide, is_mirror }
+        SeenTerms { emitted, direct: share * direct, indirect, wide, is_mirror, ..SeenTerms::default() }
     }
 }

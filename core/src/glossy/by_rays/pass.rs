@@ -129,10 +129,10 @@ fn arriving(
                 && geometry.is_lit(&surface)
         });
         let Some(mirror) = mirror else {
-            radiance += throughput * (seen.diffuse() + seen.wide);
+            radiance += throughput * (seen.all_but_wide() + seen.wide);
             break;
         };
-        radiance += throughput * seen.diffuse();
+        radiance += throughput * seen.all_but_wide();
         throughput *= mirror.reflectance(-direction.dot(surface.geometric_normal));
         origin = offset_origin(surface.position, surface.geometric_normal);
         direction -= 2.0 * surface.geometric_normal.dot(direction) * surface.geometric_normal;

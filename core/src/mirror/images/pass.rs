@@ -57,7 +57,7 @@ impl MirrorPicture {
 
 /// What samples show of a surface: emitted and diffuse radiance, for [`super::sample::Radiance`].
 pub fn diffuse<'a>(shading: &'a Shading) -> impl Fn(&Surface, Vec3) -> Vec3 + Sync + 'a {
-    move |surface, wo| shading.terms(surface, 0, wo).diffuse()
+    move |surface, wo| shading.terms(surface, 0, wo).all_but_wide()
 }
 
 /// What points show of one view.

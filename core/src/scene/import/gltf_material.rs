@@ -3,7 +3,7 @@
 use super::{accessor, gltf::uri_bytes, model::Model, picture};
 use crate::{
     math::image::LinearImage,
-    scene::material::{DIFFUSE_ROUGHNESS, Material, Texture},
+    scene::material::{DIFFUSE_ROUGHNESS, MIRROR_ROUGHNESS, Material, Texture},
 };
 use ::gltf::{
     Document,
@@ -62,8 +62,13 @@ impl Reader<'_> {
         if material.unlit() {
             notes.add("unlit materials are lit", &name);
         }
-        if material.transmission().is_some_and(|t| t.transmission_factor() > 0.0) {
-            notes.add("transmission is shown as diffuse reflection", &name);
+        let transmission = material.transmission();
+        if transmission.as_ref().is_some_and(|t| t.transmission_texture().is_some()) {
+            notes.add("transmission maps are ignored, their factors are not", &name);
+        }
+        let transmission = transmission.map_or(0.0, |t| t.transmission_factor());
+        if transmission > 0.0 && pbr.roughness_factor() >= MIRROR_ROUGHNESS {
+            notes.add("rough glass is shown clear", &name);
         }
         if material.alpha_mode() != AlphaMode::Opaque {
             notes.add("transparency is shown opaque", &name);
@@ -98,6 +103,8 @@ impl Reader<'_> {
             metallic: pbr.metallic_factor(),
             // 0 stands for a coat that reflects all, as older files wanted it.
             ior: material.ior().filter(|n| *n >= 1.0).unwrap_or(1.5),
+            transmission,
+            solid: material.volume().is_some_and(|v| v.thickness_factor() > 0.0),
             double_sided: material.double_sided(),
             name,
         };

@@ -164,6 +164,10 @@ fn darken(scene: &mut Scene) {
     for object in dark.into_iter().filter(|&o| double(scene, o)).collect::<Vec<_>>() {
         let materials = &mut scene.materials;
         for part in &mut scene.objects[object].parts {
+            // Light gets into what is of glass.
+            if materials[part.material].is_glass() {
+                continue;
+            }
             part.material = *single_sided.entry(part.material).or_insert_with(|| {
                 materials.push(Material { double_sided: false, ..materials[part.material].clone() });
                 materials.len() - 1

@@ -152,15 +152,20 @@ fn clean_materials(path: &Path, model: &mut Model) -> Result<(), SceneError> {
         if !material.emission.is_finite() {
             return Err(SceneError::value(path, owner(), "emission in cd/m²", material.emission));
         }
-        let shares = [material.roughness, material.metallic];
+        let shares = [material.roughness, material.metallic, material.transmission];
         let known = shares.iter().all(|s| (0.0..=1.0).contains(s)) && material.ior >= 1.0;
         if !(known && material.ior.is_finite()) {
-            model.notes.add("roughness, metallic factor or index of refraction out of range", &material.name);
+            model
+                .notes
+                .add("roughness, metallic, transmission or index of refraction out of range", &material.name);
             let within = |s: f32, otherwise: f32| if s.is_nan() { otherwise } else { s.clamp(0.0, 1.0) };
             material.roughness = within(material.roughness, 1.0);
             material.metallic = within(material.metallic, 0.0);
+            material.transmission = within(material.transmission, 0.0);
             material.ior = if material.ior.is_finite() { material.ior.max(1.0) } else { 1.5 };
         }
+        // Glass is met from either side.
+        material.double_sided |= material.is_glass();
         if material.reflectance.min_element() < 0.0 || material.emission.min_element() < 0.0 {
             model.notes.add("negative reflectance or emission is taken as zero", &material.name);
             material.reflectance = material.reflectance.max(Vec3::ZERO);
