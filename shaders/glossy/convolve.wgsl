@@ -1,8 +1,6 @@
 // Spatially variant convolution of the mirror image: twin of core/src/glossy/variant.rs and kernel.rs.
 
 const REACH_LEVEL: u32 = 4u;
-// Mark in a pixel's state: its throughput holds the reflectance of the lobe.
-const SCATTERED: f32 = -1.0;
 
 // Twin of `LobeTable::at`.
 fn lobe_at(lobe: u32, cos_theta: f32) -> vec4f {
@@ -80,12 +78,10 @@ fn reach(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> f32 
     return share * support / pixel_angle;
 }
 
-// Twin of `gather`.
-fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> vec3f {
+// Twin of `gather`, whose radius is that of `reach`.
+fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, radius: f32) -> vec3f {
     let pixel_angle = 2.0 * frame.half_size.y / f32(frame.size.y);
     let last = step.level_count - 1u;
-    let own = texel_at(0u, pixel.x, pixel.y);
-    let radius = reach(point, pixel, reflector, support);
     var sum = vec3f(0.0);
     var weights = 0.0;
     for (var level = 0u; level <= last; level++) {
@@ -116,13 +112,14 @@ fn gather(point: GlossyPoint, pixel: vec2i, reflector: u32, support: f32) -> vec
     if weights > 0.0 && weights < 3e38 {
         return sum / weights;
     }
-    return own.radiance;
+    return texel_at(0u, pixel.x, pixel.y).radiance;
 }
 
 // A pixel that shows a flat glossy reflector.
 struct GlossyPixel {
     known: bool,
-    state: u32,
+    at: vec2u,
+    index: u32,
     reflector: u32,
     point: GlossyPoint,
     // Twin of `LobeTable::modulation`.
@@ -135,9 +132,10 @@ fn glossy_pixel(id: vec2u) -> GlossyPixel {
     if any(id >= frame.size) {
         return out;
     }
-    out.state = state_of(frame.size, id.y * frame.size.x + id.x);
+    out.at = id;
+    out.index = id.y * frame.size.x + id.x;
     let seen = textureLoad(seen_triangles, id, 0).x;
-    if seen == 0u || layers[out.state + 6u] == NOT_MIRRORED {
+    if seen == 0u || layers[state_of(frame.size, out.index, NEARNESS)] == NOT_MIRRORED {
         return out;
     }
     let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id, frame.subpixel));
@@ -155,23 +153,33 @@ fn glossy_pixel(id: vec2u) -> GlossyPixel {
     return out;
 }
 
-// What arrives within a pixel's lobe, where the mirrored ray's radiance stood.
-fn put(pixel: GlossyPixel, radiance: vec3f) {
-    for (var i = 0u; i < 3u; i++) {
-        layers[pixel.state + i] = radiance[i];
-        layers[pixel.state + 3u + i] = pixel.share[i];
+// The pixel of an invocation over the finest level.
+fn own_pixel(id: vec2u) -> GlossyPixel {
+    if is_beyond(info.levels[0], id) {
+        return GlossyPixel();
     }
-    layers[pixel.state + 7u] = SCATTERED;
+    return glossy_pixel(texel_of(info.levels[0], id));
+}
+
+// What a pixel reflects of what arrives within its lobe.
+fn put(pixel: GlossyPixel, radiance: vec3f) {
+    store(pixel.index, 3u, vec3f(0.0));
+    store(pixel.index, 4u, pixel.share * radiance);
+    layers[state_of(frame.size, pixel.index, VIEW)] = REFLECTED;
+}
+
+fn reach_of(pixel: GlossyPixel) -> f32 {
+    return reach(pixel.point, vec2i(pixel.at), pixel.reflector, pixel.support);
+}
+
+fn gathered(pixel: GlossyPixel, radius: f32) -> vec3f {
+    return gather(pixel.point, vec2i(pixel.at), pixel.reflector, radius);
 }
 
 @compute @workgroup_size(8, 8)
 fn scatter(@builtin(global_invocation_id) id: vec3u) {
-    if is_beyond(info.levels[0], id.xy) {
-        return;
-    }
-    let at = texel_of(info.levels[0], id.xy);
-    let pixel = glossy_pixel(at);
+    let pixel = own_pixel(id.xy);
     if pixel.known {
-        put(pixel, gather(pixel.point, vec2i(at), pixel.reflector, pixel.support));
+        put(pixel, gathered(pixel, reach_of(pixel)));
     }
 }

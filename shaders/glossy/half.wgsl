@@ -12,11 +12,13 @@ fn scatter_nodes(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let node = texel_of(here, id.xy);
-    let at = 2u * node;
-    let pixel = glossy_pixel(at);
+    let pixel = glossy_pixel(2u * node);
     var out = vec4f(0.0);
-    if pixel.known && reach(pixel.point, vec2i(at), pixel.reflector, pixel.support) >= SMALL_RADIUS {
-        out = vec4f(gather(pixel.point, vec2i(at), pixel.reflector, pixel.support), 1.0);
+    if pixel.known {
+        let radius = reach_of(pixel);
+        if radius >= SMALL_RADIUS {
+            out = vec4f(gathered(pixel, radius), 1.0);
+        }
     }
     convolved[texel_place(here, node.x, node.y)] = out;
 }
@@ -30,18 +32,16 @@ fn node_weight(at: vec2u, after: vec2u) -> f32 {
 
 @compute @workgroup_size(8, 8)
 fn scatter_half(@builtin(global_invocation_id) id: vec3u) {
-    if is_beyond(info.levels[0], id.xy) {
-        return;
-    }
-    let at = texel_of(info.levels[0], id.xy);
-    let pixel = glossy_pixel(at);
+    let pixel = own_pixel(id.xy);
     if !pixel.known {
         return;
     }
+    let at = pixel.at;
+    let radius = reach_of(pixel);
     let here = info.levels[1];
     var sum = vec3f(0.0);
     var weights = 0.0;
-    if reach(pixel.point, vec2i(at), pixel.reflector, pixel.support) >= SMALL_RADIUS {
+    if radius >= SMALL_RADIUS {
         let own = texel_at(0u, i32(at.x), i32(at.y));
         for (var i = 0u; i < 4u; i++) {
             let after = vec2u(i & 1u, i >> 1u);
@@ -60,6 +60,6 @@ fn scatter_half(@builtin(global_invocation_id) id: vec3u) {
     if weights > 0.0 {
         put(pixel, sum / weights);
     } else {
-        put(pixel, gather(pixel.point, vec2i(at), pixel.reflector, pixel.support));
+        put(pixel, gathered(pixel, radius));
     }
 }

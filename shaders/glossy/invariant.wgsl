@@ -6,8 +6,18 @@ const MOST_RADIUS: f32 = 0.5;
 const THREADS: u32 = 256u;
 
 // The Rust sides are in core/src/glossy/gpu.rs.
+struct MeasuredReflector {
+    normal: vec3f,
+    height: f32,
+    rectangle: vec4u,
+    reflector: u32,
+    lobe: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
 struct MeasuredReflectors {
-    list: array<vec4u, 16>,
+    list: array<MeasuredReflector, 64>,
     count: u32,
     padding_0: u32,
     padding_1: u32,
@@ -28,19 +38,14 @@ struct KernelInfo {
 // Texels of the pyramid, convolved: those on the level of their reflector's kernel.
 @group(1) @binding(9) var<storage, read_write> convolved: array<vec4f>;
 
-// Σ of points from the eye and of shares; Σ of normals and count; lobe, counted from 1.
+// Σ of points from the eye and of shares; count.
 var<workgroup> points: array<vec4f, THREADS>;
-var<workgroup> normals: array<vec4f, THREADS>;
-var<workgroup> found_lobes: array<u32, THREADS>;
-
-fn measured_reflector(slot: u32) -> u32 {
-    return measured.list[slot / 4u][slot % 4u];
-}
+var<workgroup> counts: array<f32, THREADS>;
 
 // Slot of a reflector; NONE where it has none.
 fn slot_of(reflector: u32) -> u32 {
     for (var slot = 0u; slot < measured.count; slot++) {
-        if measured_reflector(slot) == reflector {
+        if measured.list[slot].reflector == reflector {
             return slot;
         }
     }
@@ -57,53 +62,46 @@ fn lens_place(from_eye: vec3f) -> vec2f {
 // Twin of `Measure` and of `Kernel::new`: a workgroup for each reflector.
 @compute @workgroup_size(256)
 fn measure(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
-    let reflector = measured_reflector(group.x);
-    let across = (frame.size.x + MEASURED - 1u) / MEASURED;
-    let down = (frame.size.y + MEASURED - 1u) / MEASURED;
+    let own = measured.list[group.x];
+    let low = (own.rectangle.xy + vec2u(MEASURED - 1u)) / MEASURED;
+    let high = (own.rectangle.xy + own.rectangle.zw + vec2u(MEASURED - 1u)) / MEASURED;
+    let across = high.x - low.x;
     var point_sum = vec4f(0.0);
-    var normal_sum = vec4f(0.0);
-    var found = 0u;
-    for (var i = thread; i < across * down; i += THREADS) {
-        let id = MEASURED * vec2u(i % across, i / across);
-        if texel_at(0u, i32(id.x), i32(id.y)).reflector != reflector {
-            continue;
-        }
-        let pixel = glossy_pixel(id);
-        if pixel.known {
-            let distance = layers[pixel.state + 6u];
-            var share = 1.0;
-            if distance < 1e30 {
-                share = distance / (length(pixel.point.from_eye) + distance);
-            }
-            point_sum += vec4f(pixel.point.from_eye, share);
-            normal_sum += vec4f(pixel.point.normal, 1.0);
-            found = lobe_of(pixel.point.alpha) + 1u;
+    var found = 0.0;
+    for (var i = thread; i < across * (high.y - low.y); i += THREADS) {
+        let at = MEASURED * (low + vec2u(i % across, i / across));
+        let texel = texel_at(0u, i32(at.x), i32(at.y));
+        if texel.reflector == own.reflector {
+            // Where the pixel's ray meets the plane.
+            let direction = pixel_direction(frame, at, frame.subpixel);
+            let distance = own.height / dot(own.normal, direction);
+            // d / (|P| + d), d the distance behind the mirror.
+            let share = max(1.0 - distance * texel.nearness, 0.0);
+            point_sum += vec4f(direction * distance, share);
+            found += 1.0;
         }
     }
     points[thread] = point_sum;
-    normals[thread] = normal_sum;
-    found_lobes[thread] = found;
+    counts[thread] = found;
     workgroupBarrier();
     for (var half = THREADS / 2u; half > 0u; half /= 2u) {
         if thread < half {
             points[thread] += points[thread + half];
-            normals[thread] += normals[thread + half];
-            found_lobes[thread] = max(found_lobes[thread], found_lobes[thread + half]);
+            counts[thread] += counts[thread + half];
         }
         workgroupBarrier();
     }
-    let count = normals[0].w;
+    let count = counts[0];
     if count == 0.0 {
         if thread == 0u {
             kernels[group.x].known = 0u;
         }
         return;
     }
-    let lobe = found_lobes[0] - 1u;
-    let point = GlossyPoint(points[0].xyz / count, normalize(normals[0].xyz), lobes.alpha[lobe].x);
+    let point = GlossyPoint(points[0].xyz / count, own.normal, lobes.alpha[own.lobe].x);
     let eye_distance = length(point.from_eye);
     let nearness = (1.0 - points[0].w / count) / eye_distance;
-    let support = lobe_at(lobe, -dot(point.from_eye, point.normal) / eye_distance).w;
+    let support = lobe_at(own.lobe, -dot(point.from_eye, point.normal) / eye_distance).w;
     let pixel_angle = 2.0 * frame.half_size.y / f32(frame.size.y);
     let reach = (1.0 - min(eye_distance * nearness, 1.0)) * support / pixel_angle;
     let most = max(MOST_RADIUS * f32(max(frame.size.x, frame.size.y)), 1.0);
@@ -186,14 +184,11 @@ fn convolved_at(slot: u32, reflector: u32, pixel: vec2u, own: vec3f) -> vec3f {
 
 @compute @workgroup_size(8, 8)
 fn scatter_invariant(@builtin(global_invocation_id) id: vec3u) {
-    if is_beyond(info.levels[0], id.xy) {
-        return;
-    }
-    let at = texel_of(info.levels[0], id.xy);
-    let pixel = glossy_pixel(at);
+    let pixel = own_pixel(id.xy);
     if !pixel.known {
         return;
     }
+    let at = pixel.at;
     let own = texel_at(0u, i32(at.x), i32(at.y)).radiance;
     let slot = slot_of(pixel.reflector);
     if slot == NONE || kernels[slot].known == 0u {

@@ -35,9 +35,6 @@ struct Step {
     padding_1: u32,
 }
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var seen_triangles: texture_2d<u32>;
-@group(1) @binding(2) var<storage, read_write> layers: array<f32>;
 @group(1) @binding(3) var<uniform> lobes: LobeTables;
 @group(1) @binding(4) var<storage, read_write> pyramid: array<Texel>;
 @group(1) @binding(5) var<uniform> info: PyramidInfo;
@@ -84,18 +81,14 @@ fn unfold(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = texel_of(here, id.xy);
     let seen = textureLoad(seen_triangles, at, 0).x;
-    let state = state_of(frame.size, at.y * frame.size.x + at.x);
+    let pixel = at.y * frame.size.x + at.x;
+    let nearness = layers[state_of(frame.size, pixel, NEARNESS)];
     var texel = no_texel();
-    if seen != 0u && layers[state + 6u] != NOT_MIRRORED
-        && lobe_of(materials[triangles[seen - 1u].material].alpha) != NONE {
-        let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, at, frame.subpixel));
-        let distance = layers[state + 6u];
-        texel.radiance = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
-        if distance < 1e30 {
-            texel.nearness = 1.0 / (length(surface.position - frame.eye) + distance);
+    if seen != 0u && nearness != NOT_MIRRORED {
+        let info = triangles[seen - 1u];
+        if lobe_of(materials[info.material].alpha) != NONE {
+            texel = Texel(state_vector(pixel, RADIANCE), nearness, 1.0, info.reflector, 0u, 0u);
         }
-        texel.coverage = 1.0;
-        texel.reflector = triangles[surface.triangle].reflector;
     }
     pyramid[texel_place(here, at.x, at.y)] = texel;
 }

@@ -2,10 +2,6 @@
 
 @group(1) @binding(3) var<uniform> views: MirroredViews;
 
-fn state_of_pixel(pixel: u32) -> u32 {
-    return state_of(frame.size, pixel);
-}
-
 // The view, counted from 1, in which a surface shows what it mirrors; 0 for none. Only reflectors that face
 // the eye have one, so the side that is seen reflects.
 fn view_through(triangle: u32, seen_in: u32) -> u32 {
@@ -47,10 +43,9 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         counts += vec2u(select(0u, 1u, view != NONE && view != 0u), select(0u, 1u, view == 0u));
         if x < frame.size.x {
             let pixel = id.y * frame.size.x + x;
-            let state = state_of_pixel(pixel);
             let mirrored = view != NONE && view != 0u;
-            layers[state + 6u] = select(NOT_MIRRORED, FAR, mirrored);
-            layers[state + 7u] = select(0.0, f32(view), mirrored);
+            layers[state_of(frame.size, pixel, NEARNESS)] = select(NOT_MIRRORED, 0.0, mirrored);
+            layers[state_of(frame.size, pixel, VIEW)] = select(0.0, f32(view), mirrored);
             if view == NONE {
                 store(pixel, 3u, vec3f(0.0));
                 if !(is_by_particles(vec2u(x, id.y)) && textureLoad(seen_triangles, vec2u(x, id.y), 0).x != 0u) {
@@ -82,8 +77,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
 }
 
 fn follow(pixel: u32, rays: bool) {
-    let state = state_of_pixel(pixel);
-    let number = u32(layers[state + 7u]);
+    let number = u32(layers[state_of(frame.size, pixel, VIEW)]);
     if number == 0u {
         // No image-with-depth has seen what is mirrored there.
         return;
@@ -92,8 +86,8 @@ fn follow(pixel: u32, rays: bool) {
     var radiance = vec3f(0.0);
     var throughput = vec3f(1.0);
     if view.depth > 1u {
-        radiance = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
-        throughput = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]);
+        radiance = state_vector(pixel, RADIANCE);
+        throughput = state_vector(pixel, THROUGHPUT);
     }
     let id = vec2u(pixel % frame.size.x, pixel / frame.size.x);
     let seen = textureLoad(seen_triangles, id, 0).x;
@@ -106,9 +100,8 @@ fn follow(pixel: u32, rays: bool) {
             + view.up * ((1.0 - 2.0 * uv.y) * frame.half_size.y));
         let surface = surface_seen(seen - 1u, view.eye, direction);
         if view.depth == 1u {
-            // From where the ray crosses the reflector's plane.
-            let height = dot(view.clip_normal, surface.position) - view.clip_offset;
-            layers[state + 6u] = max(height / max(dot(view.clip_normal, direction), 1e-6), 0.0);
+            // The mirrored eye is as far from it as the eye is along the unfolded ray.
+            layers[state_of(frame.size, pixel, NEARNESS)] = 1.0 / length(surface.position - view.eye);
         }
         let stored = stored_light(surface);
         let scramble = hash2(pixel_scramble(pixel), view.depth);
@@ -127,11 +120,11 @@ fn follow(pixel: u32, rays: bool) {
             set_work(frame.size, list, add_work(list, 1u), pixel);
         }
     }
-    for (var i = 0u; i < 3u; i++) {
-        layers[state + i] = radiance[i];
-        layers[state + 3u + i] = throughput[i];
+    set_state_vector(pixel, RADIANCE, radiance);
+    if next != 0u {
+        set_state_vector(pixel, THROUGHPUT, throughput);
     }
-    layers[state + 7u] = f32(next);
+    layers[state_of(frame.size, pixel, VIEW)] = f32(next);
 }
 
 // Direct light by shadow rays.
@@ -157,18 +150,12 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
     let direction = pixel_direction(frame, id, frame.subpixel);
     let surface = surface_seen(textureLoad(seen_triangles, id, 0).x - 1u, frame.eye, direction);
     let specular = specular_at(surface);
-    let state = state_of_pixel(pixel);
     var value: vec3f;
     if !mirrored {
         value = wide_reflection(surface, stored_light(surface), -direction);
     } else {
-        let arriving = vec3f(layers[state], layers[state + 1u], layers[state + 2u]);
-        if layers[state + 7u] < 0.0 {
-            // Convolved, with the reflectance of its lobe.
-            value = vec3f(layers[state + 3u], layers[state + 4u], layers[state + 5u]) * arriving;
-        } else {
-            value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
-        }
+        let arriving = state_vector(pixel, RADIANCE);
+        value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
     }
     value = select(vec3f(0.0), value, specular.alpha >= 0.0);
     var bent = vec3f(0.0);
@@ -179,14 +166,16 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
     store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
 }
 
-// What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing.
+// What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing, and what is
+// convolved has put itself there.
 @compute @workgroup_size(WORK_GROUP)
 fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = atomicLoad(&work[WITH_VIEW * HEAD + 3u]);
     for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
         let pixel = atomicLoad(&work[work_place(frame.size, WITH_VIEW, i)]);
         // What no image-with-depth has seen is among those without a view.
-        if layers[state_of_pixel(pixel) + 6u] != NOT_MIRRORED {
+        if layers[state_of(frame.size, pixel, NEARNESS)] != NOT_MIRRORED
+            && layers[state_of(frame.size, pixel, VIEW)] != REFLECTED {
             reflect_pixel(pixel, true);
         }
     }

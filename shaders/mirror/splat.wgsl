@@ -114,7 +114,7 @@ fn splat(group: vec3u, lane: u32, second: bool) {
     for (var y = low.y; y <= high.y; y++) {
         for (var x = low.x; x <= high.x; x++) {
             let pixel = u32(y) * frame.size.x + u32(x);
-            if u32(layers[state_of(frame.size, pixel) + 7u]) != run.view {
+            if u32(layers[state_of(frame.size, pixel, VIEW)]) != run.view {
                 continue;
             }
             if second {
@@ -146,9 +146,8 @@ fn name_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgro
         let pixel = atomicLoad(&work[work_place(frame.size, step.list, i)]);
         let code = atomicLoad(&nearest[2u * pixel + 1u]);
         if code == 0u {
-            let state = state_of(frame.size, pixel);
-            layers[state + 6u] = NOT_MIRRORED;
-            layers[state + 7u] = 0.0;
+            layers[state_of(frame.size, pixel, NEARNESS)] = NOT_MIRRORED;
+            layers[state_of(frame.size, pixel, VIEW)] = 0.0;
             set_work(frame.size, WITHOUT_VIEW, add_work(WITHOUT_VIEW, 1u), pixel);
         } else {
             // Nothing, the largest number, becomes 0.

@@ -25,11 +25,18 @@ struct MirroredViews {
     list: array<MirroredView, 64>,
 }
 
-// State of a pixel's mirrored ray behind the layers: radiance, throughput, distance, view it goes on into.
-const STATE: u32 = 8u;
+// State of a pixel's mirrored ray behind the layers, a plane of the picture for each float: radiance; throughput; 1 over
+// the distance from the eye to what is mirrored, along the unfolded ray, 1/m; view it goes on into.
 const LAYERS: u32 = 5u;
+const RADIANCE: u32 = 0u;
+const THROUGHPUT: u32 = 3u;
+const NEARNESS: u32 = 6u;
+const VIEW: u32 = 7u;
+// Nearness of a pixel that shows no mirror.
 const NOT_MIRRORED: f32 = -1.0;
+// View of a pixel whose layers hold what it reflects already.
+const REFLECTED: f32 = -1.0;
 
-fn state_of(size: vec2u, pixel: u32) -> u32 {
-    return 3u * LAYERS * size.x * size.y + STATE * pixel;
+fn state_of(size: vec2u, pixel: u32, plane: u32) -> u32 {
+    return (3u * LAYERS + plane) * size.x * size.y + pixel;
 }

@@ -27,7 +27,7 @@ fn cover(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32
 @fragment
 fn mask(seen: Mask) -> @builtin(frag_depth) f32 {
     let id = vec2u(seen.position.xy);
-    let wanted = u32(layers[state_of(frame.size, id.y * frame.size.x + id.x) + 7u]);
+    let wanted = u32(layers[state_of(frame.size, id.y * frame.size.x + id.x, VIEW)]);
     return select(1.0, 0.0, wanted == seen.view + 1u);
 }
 

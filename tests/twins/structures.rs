@@ -91,6 +91,17 @@ fn structures_have_the_same_layout_on_both_sides() {
     same_layout!(GLOSSY, "Texel", glossy_gpu::TexelInfo, radiance, nearness, coverage, reflector, padding);
     same_layout!(GLOSSY, "LevelInfo", glossy_gpu::LevelInfo, first, width, height, column, row, padding);
     same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
+    same_layout!(
+        GLOSSY,
+        "MeasuredReflector",
+        glossy_gpu::MeasuredReflector,
+        normal,
+        height,
+        rectangle,
+        reflector,
+        lobe,
+        padding
+    );
     same_layout!(GLOSSY, "MeasuredReflectors", glossy_gpu::MeasuredReflectors, list, count, padding);
     same_layout!(GLOSSY, "KernelInfo", glossy_gpu::KernelInfo, level, radius, known, padding, weights);
     same_layout!(

@@ -19,7 +19,10 @@ use crate::{
         storage::{Binding, bind, create, layout, uniform},
         targets::Targets,
     },
-    mirror::MOST_VIEWS,
+    mirror::{
+        MOST_VIEWS,
+        views::{Eye, MirroredView},
+    },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
@@ -90,12 +93,52 @@ impl LobeTables {
 /// Weights of a kernel, at most.
 const MOST_WEIGHTS: usize = ((2 * WIDEST + 1) * (2 * WIDEST + 1)) as usize;
 
+/// `MeasuredReflector` of `shaders/glossy/invariant.wgsl`: a glossy reflector that is seen.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MeasuredReflector {
+    /// Its normal on the side seen.
+    pub normal: glam::Vec3,
+    /// Height of its plane above the eye along that, m.
+    pub height: f32,
+    /// The pixels around it: first column and row, width and height.
+    pub rectangle: [u32; 4],
+    /// Its number.
+    pub reflector: u32,
+    /// That of its lobe.
+    pub lobe: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+impl MeasuredReflector {
+    /// What a view of depth 1 shows, within its pixels; `None` where its lobe is not among those that are told apart.
+    pub(crate) fn new(
+        scene: &SceneTables,
+        view: &MirroredView,
+        eye: &Eye,
+        rectangle: [u32; 4],
+    ) -> Option<Self> {
+        let material = scene.reflectors().list[view.reflector as usize].material;
+        let alpha = scene.solution()?.world.geometry.materials[material as usize].alpha()?;
+        let lobe = scene.lobes().keys().take(MOST_LOBES).position(|bits| *bits == alpha.to_bits())?;
+        Some(Self {
+            normal: view.clip_normal,
+            height: view.clip_offset - view.clip_normal.dot(eye.position),
+            rectangle,
+            reflector: view.reflector,
+            lobe: lobe as u32,
+            padding: [0; 2],
+        })
+    }
+}
+
 /// `MeasuredReflectors` of `shaders/glossy/invariant.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct MeasuredReflectors {
-    /// Their numbers.
-    pub list: [u32; MOST_VIEWS],
+    /// The reflectors.
+    pub list: [MeasuredReflector; MOST_VIEWS],
     /// How many there are.
     pub count: u32,
     /// Nothing.
@@ -213,7 +256,7 @@ impl GlossyPasses {
         encoder: &mut wgpu::CommandEncoder,
         scene: &SceneTables,
         method: GlossyMethod,
-        reflectors: &[u32],
+        reflectors: &[MeasuredReflector],
         rectangle: [u32; 4],
     ) {
         let levels = levels(self.sized.size, rectangle);

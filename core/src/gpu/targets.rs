@@ -5,8 +5,8 @@ pub(crate) const TRIANGLE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32
 /// Format of depth, which is near / distance: larger is nearer.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Floats a pixel: three layers of three, or five and the state of a mirrored ray, which is `STATE` floats of
-/// `shaders/mirror/views.wgsl`.
+/// Floats a pixel: three layers of three, or five and the state of a mirrored ray, which `shaders/mirror/views.wgsl`
+/// names.
 const PLAIN_FLOATS: u64 = 9;
 const SPECULAR_FLOATS: u64 = 15 + 8;
 

@@ -13,7 +13,11 @@ use super::{
     views::{Eye, MirroredView, NEAR, Rectangle, mirrored_views},
     work::{List, RUN, Work},
 };
-use crate::glossy::{GlossyMethod, gpu::GlossyPasses, particles::gpu::ParticlePass};
+use crate::glossy::{
+    GlossyMethod,
+    gpu::{GlossyPasses, MeasuredReflector},
+    particles::gpu::ParticlePass,
+};
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
@@ -202,12 +206,13 @@ impl MirrorPasses {
         if !scene.lobes().is_empty() && !views.is_empty() && method != GlossyMethod::Sharp {
             let glossy =
                 self.glossy.get_or_insert_with(|| GlossyPasses::new(device, queue, scene, frame, targets));
-            let alpha =
-                |r: u32| geometry.materials[scene.reflectors().list[r as usize].material as usize].alpha();
-            let is_glossy = |v: &&MirroredView| v.depth == 1 && alpha(v.reflector).is_some_and(|a| a > 0.0);
-            let seen: Vec<&MirroredView> = views.iter().filter(is_glossy).collect();
-            let reflectors: Vec<u32> = seen.iter().map(|v| v.reflector).collect();
-            if let Some(rectangle) = seen.iter().map(|v| v.rectangle).reduce(Rectangle::around) {
+            let measured = |v: &MirroredView| {
+                let own = pixels(v.rectangle, targets.size);
+                Some((MeasuredReflector::new(scene, v, &eye, own)?, v.rectangle))
+            };
+            let seen: Vec<_> = views.iter().take_while(|v| v.depth == 1).filter_map(measured).collect();
+            let (reflectors, rectangles): (Vec<_>, Vec<_>) = seen.into_iter().unzip();
+            if let Some(rectangle) = rectangles.into_iter().reduce(Rectangle::around) {
                 let rectangle = pixels(rectangle, targets.size);
                 glossy.record(queue, encoder, scene, method, &reflectors, rectangle);
             }
