@@ -46,7 +46,7 @@ fn ball() -> Mesh {
     mesh
 }
 
-fn with_ball(mut scene: Scene, at: Vec3, radius: f32, roughness: f32) -> Scene {
+pub fn with_ball(mut scene: Scene, at: Vec3, radius: f32, roughness: f32) -> Scene {
     let metal = Material { reflectance: Vec3::ONE, metallic: 1.0, roughness, ..Material::default() };
     let ball = add(&mut scene, "ball", ball(), metal);
     scene.objects[ball].world_from_object =
@@ -88,7 +88,7 @@ fn error(solution: &LightTransportSolution) -> f64 {
 
 /// Mean absolute difference of what one solution shows to paths in another, over the mean of those, where surfaces
 /// seen along directions are of interest.
-fn error_where(
+pub fn error_where(
     shown: &LightTransportSolution,
     traced: &LightTransportSolution,
     is_of_interest: impl Fn(&Surface, Vec3) -> bool,
@@ -240,5 +240,5 @@ fn a_ball_shows_the_room_around_it() {
     println!("coated floor: {by_map:.3}");
     assert!(by_map < 0.15, "{by_map}");
     let dull = solved(cornell(), 0.4);
-    assert!(Environments::new(&dull.world, &dull.radiosity).list.is_empty());
+    assert!(Environments::new(&dull.world, &dull.radiosity, 1).list.is_empty());
 }

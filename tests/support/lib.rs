@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use lumenscope_core::{
-    glossy::environment::Environments,
+    glossy::environment::{Environments, depth_of},
     irradiance_volume::{IrradianceVolume, VolumeSettings},
     math::progress::Progress,
     radiosity::{RadiositySettings, RadiositySolution},
@@ -152,8 +152,8 @@ pub fn solved(scene: Scene, spacing_m: f32) -> LightTransportSolution {
     let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent())
         .expect("the scene has a volume");
     LightTransportSolution {
+        environments: Arc::new(Environments::new(&world, &radiosity, depth_of(&scene.plan))),
         scene: Arc::new(scene),
-        environments: Arc::new(Environments::new(&world, &radiosity)),
         mirror_images: None,
         particles: None,
         world: Arc::new(world),

@@ -5,7 +5,7 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumenscope_core::{
-    glossy::{GlossyMethod, particles::light},
+    glossy::{GlossyMethod, environment::MOST_GLOSSY_DEPTH, particles::light},
     gpu,
     io::exr,
     irradiance_volume::{dynamic_object::Gloss, moments::Order},
@@ -55,6 +55,10 @@ pub struct Options {
     /// is glossy. As the plan has it by default.
     #[arg(long, value_parser = parse_glossy)]
     glossy: Option<GlossyMethod>,
+    /// Glossy reflections, one seen in the other, that what is glossy shows in mirrors and curved things show; as the
+    /// plan has it by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GLOSSY_DEPTH)))]
+    glossy_depth: Option<u32>,
     /// Particles sent by all emitters for `--glossy particles`; as the plan has it by default.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(light::MOST_PARTICLES)))]
     particles: Option<u32>,
@@ -127,10 +131,12 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
             LookupName::Mitchell => Lookup::Mitchell,
         });
     }
-    if options.glossy.is_some() || options.mirrors.is_some() || options.particles.is_some() {
+    let asked = [options.particles, options.glossy_depth].into_iter().any(|n| n.is_some());
+    if asked || options.glossy.is_some() || options.mirrors.is_some() {
         let scene = Arc::make_mut(&mut loaded.scene);
         scene.plan.glossy = options.glossy.or(scene.plan.glossy);
         scene.plan.glossy_particles = options.particles.or(scene.plan.glossy_particles);
+        scene.plan.glossy_depth = options.glossy_depth.or(scene.plan.glossy_depth);
         let mirrors = options.mirrors.map(|name| match name {
             MirrorsName::Geometry => MirrorMethod::Geometry,
             MirrorsName::Images => MirrorMethod::Images,

@@ -3,7 +3,11 @@
 use crate::session::Session;
 use egui::{DragValue, Ui};
 use lumenscope_core::{
-    glossy::{GlossyMethod, particles::light},
+    glossy::{
+        GlossyMethod,
+        environment::{GLOSSY_DEPTH, MOST_GLOSSY_DEPTH},
+        particles::light,
+    },
     irradiance_volume::{Basis, VolumeSettings, moments::Order, trust::Repair},
     mirror::{IMAGES, MOST_IMAGES, MirrorMethod, MirrorSettings},
     radiosity::{RadiositySettings, lookup::Lookup, subdivide::Subdivision, surface_map::ElementLayout},
@@ -93,6 +97,14 @@ pub fn fields(ui: &mut Ui, component: Component, over: &mut PlanOverrides, sessi
         }
         Component::Glossy => {
             choice(ui, "Convolution", GLOSSY, &mut over.glossy, GlossyMethod::ALL.map(|m| (m, m.name())));
+            count(
+                ui,
+                "Reflections",
+                "Glossy reflections, one seen in the other, in mirrors and on curved things",
+                &mut over.glossy_depth,
+                GLOSSY_DEPTH,
+                1..=MOST_GLOSSY_DEPTH,
+            );
             count(
                 ui,
                 "Particles",

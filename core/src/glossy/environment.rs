@@ -10,6 +10,10 @@
 //!
 //! Rays are cast once for where the objects stand; when lamps change only their ends are read again.
 //!
+//! What one map shows of a reflector that has a map is taken from that map, as often as the plan's `glossy_depth`
+//! says: the light after n glossy reflections is that of the maps made with n − 1, L_n = Lₑ + L_d + F ⟨L_{n−1}⟩, in
+//! which the last reflect as if dull, L_0 = F E / π. No ray is cast for it.
+//!
 //! Limits: what has one material on one object has one map, of the light in the middle of all its curved parts, each
 //! of the sixteen largest flat glossy reflectors has one (how many are left out, [`left_out`] says), and none where that lies within something else, which mirrors
 //! then show as if dull; the reflector does not see itself and, moved, shows the map of
@@ -24,6 +28,7 @@ use crate::{
     scene::{
         accel::Ray,
         brdf::{Lobe, Specular},
+        file::PlanOverrides,
         geometry::Geometry,
         world::World,
     },
@@ -47,6 +52,17 @@ const MOST_REFLECTIONS: u32 = 8;
 
 /// Directions of a lobe that a texel is the mean of.
 pub const LOBE_DIRECTIONS: u32 = 128;
+
+/// Glossy reflections, one seen in the other, that a map holds, if the plan does not say.
+pub const GLOSSY_DEPTH: u32 = 2;
+
+/// The same, at most.
+pub const MOST_GLOSSY_DEPTH: u32 = 16;
+
+/// Glossy reflections that a plan asks for.
+pub fn depth_of(plan: &PlanOverrides) -> u32 {
+    plan.glossy_depth.unwrap_or(GLOSSY_DEPTH).clamp(1, MOST_GLOSSY_DEPTH)
+}
 
 /// What a ray from the middle of a reflector met.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +114,8 @@ pub struct Environments {
     pub list: Vec<Environment>,
     /// Number of each triangle's map, where it has one.
     of_triangle: Arc<BTreeMap<u32, u32>>,
+    /// Whether one shows a reflector that has another.
+    meet: bool,
 }
 
 /// A reflector that a map is made for.
@@ -124,8 +142,9 @@ impl Mapped {
 }
 
 impl Environments {
-    /// Casts the rays of the largest curved reflectors and reads the light at their ends.
-    pub fn new(world: &World, radiosity: &RadiositySolution) -> Self {
+    /// Casts the rays of the largest curved reflectors and reads the light at their ends, after so many glossy
+    /// reflections.
+    pub fn new(world: &World, radiosity: &RadiositySolution, depth: u32) -> Self {
         let geometry = &world.geometry;
         if !geometry.is_specular() {
             return Self::default();
@@ -140,13 +159,23 @@ impl Environments {
                 list.push(map);
             }
         }
-        Self { list, of_triangle: Arc::new(of_triangle) }.relit(world, radiosity, LOBE_DIRECTIONS)
+        let ends =
+            list.iter().flat_map(|map: &Environment| map.ends.iter().filter_map(|(_, end)| end.as_ref()));
+        let meet = { ends }.any(|end| of_triangle.contains_key(&end.triangle));
+        let traced = Self { list, of_triangle: Arc::new(of_triangle), meet };
+        traced.relit(world, radiosity, LOBE_DIRECTIONS, depth)
     }
 
-    /// The same rays under the light of another solution; a texel is the mean of at most `directions` of a lobe.
-    pub fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
-        let list = self.list.iter().map(|e| e.relit(world, radiosity, directions)).collect();
-        Self { list, of_triangle: self.of_triangle.clone() }
+    /// The same rays under the light of another solution, after so many glossy reflections; a texel is the mean of at
+    /// most `directions` of a lobe.
+    pub fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32, depth: u32) -> Self {
+        let after = |before: Option<&Self>| Self {
+            list: self.list.iter().map(|e| e.relit(world, radiosity, directions, before)).collect(),
+            of_triangle: self.of_triangle.clone(),
+            meet: self.meet,
+        };
+        let more = if self.meet { 1..depth } else { 0..0 };
+        more.fold(after(None), |before, _| after(Some(&before)))
     }
 
     /// The number of the map of a triangle, if it has one.
@@ -236,11 +265,19 @@ impl Environment {
         2 * backs < rays
     }
 
-    fn relit(&self, world: &World, radiosity: &RadiositySolution, directions: u32) -> Self {
+    fn relit(
+        &self,
+        world: &World,
+        radiosity: &RadiositySolution,
+        directions: u32,
+        before: Option<&Environments>,
+    ) -> Self {
         let sharp: Vec<Vec4> = self
             .ends
             .par_iter()
-            .map(|(distance, end)| end.map_or(Vec3::ZERO, |e| light(world, radiosity, &e)).extend(*distance))
+            .map(|(distance, end)| {
+                end.map_or(Vec3::ZERO, |e| light(world, radiosity, &e, before)).extend(*distance)
+            })
             .collect();
         let sharp = Self { texels: sharp, ..self.clone() };
         if self.alpha == 0.0 {
@@ -354,11 +391,15 @@ fn end(world: &World, from: &Mapped, ray: Ray) -> (f32, Option<End>) {
 }
 
 /// Radiance that leaves the end of a ray towards where it came from, cd/m²: emitted, reflected diffusely, and by a
-/// lobe as if it were as wide as the hemisphere.
-fn light(world: &World, radiosity: &RadiositySolution, end: &End) -> Vec3 {
+/// lobe from the map of what is met, of those made before, else as if it were as wide as the hemisphere.
+fn light(world: &World, radiosity: &RadiositySolution, end: &End, before: Option<&Environments>) -> Vec3 {
     let surface = world.geometry.surface(end.triangle, end.barycentric, end.direction);
     let brdf = world.geometry.brdf(&surface);
     let e = radiosity.irradiance(end.triangle, end.barycentric, surface.back, Part::All);
-    let lobe = brdf.specular.map_or(Vec3::ZERO, |s| s.reflectance(-end.direction.dot(surface.normal)));
-    end.left * (world.geometry.emission(&surface) + (brdf.diffuse + lobe) * e * FRAC_1_PI)
+    let map = before.and_then(|maps| Some(&maps.list[maps.number(end.triangle)? as usize]));
+    let lobe = brdf.specular.map_or(Vec3::ZERO, |s| match map {
+        Some(map) => map.reflected(surface.position, surface.normal, -end.direction, &s),
+        None => s.reflectance(-end.direction.dot(surface.normal)) * e * FRAC_1_PI,
+    });
+    end.left * (world.geometry.emission(&surface) + brdf.diffuse * e * FRAC_1_PI + lobe)
 }

@@ -146,6 +146,8 @@ pub struct PlanOverrides {
     pub mirror_images: Option<u32>,
     /// How the layer `glossy` is made.
     pub glossy: Option<GlossyMethod>,
+    /// Glossy reflections, one seen in the other, that maps of the light around reflectors hold, 1 or more.
+    pub glossy_depth: Option<u32>,
     /// Particles of light that it is made of where it is made of them.
     pub glossy_particles: Option<u32>,
     /// Whether an irradiance volume is built.
@@ -214,6 +216,7 @@ impl PlanOverrides {
             ("direct_samples", self.direct_samples),
             ("mirror_images", self.mirror_images),
             ("glossy_particles", self.glossy_particles),
+            ("glossy_depth", self.glossy_depth),
             ("volume_second_level", self.volume_second_level),
             ("volume_bins_n", self.volume_bins_n),
             ("volume_samples", self.volume_samples.map(|s| s[0].min(s[1]).min(s[2]))),

@@ -269,6 +269,10 @@ impl Needs<'_> {
         if widths.len() > MOST_LOBES {
             reason += &format!("; of {} widths of lobes {MOST_LOBES} are blurred", widths.len());
         }
+        if self.world.geometry.is_specular() {
+            let depth = environment::depth_of(self.over) as usize;
+            reason += &format!("; maps hold {}", counted(depth, "glossy reflection"));
+        }
         let left_out = environment::left_out(&self.world.geometry);
         if left_out > 0 {
             reason += &format!(

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     glossy::{
-        environment::{Environments, LOBE_DIRECTIONS},
+        environment::{Environments, LOBE_DIRECTIONS, depth_of},
         particles::light::{self, ParticleLight},
     },
     irradiance_volume::{
@@ -166,18 +166,19 @@ impl LiveTransport {
             gloss: None,
             provenance,
         };
+        let depth = depth_of(&scene.plan);
         if settings.preview {
             let start = Instant::now();
             let coarse = coarse_radiosity(&current.world, &settings.radiosity);
             current.radiosity = Arc::new(RadiositySolution::solve(&current.world, &coarse, progress)?);
-            current.environments = Arc::new(Environments::new(&current.world, &current.radiosity));
+            current.environments = Arc::new(Environments::new(&current.world, &current.radiosity, depth));
             stage("preview", start, &mut current.provenance);
             show(&current);
         }
         let start = Instant::now();
         let radiosity = RadiositySolution::solve(&current.world, &settings.radiosity, progress)?;
         current.radiosity = Arc::new(radiosity);
-        current.environments = Arc::new(Environments::new(&current.world, &current.radiosity));
+        current.environments = Arc::new(Environments::new(&current.world, &current.radiosity, depth));
         stage("radiosity", start, &mut current.provenance);
         if MirrorSettings::of(&scene.plan).images.is_some() {
             show(&current);
@@ -312,7 +313,9 @@ impl LiveTransport {
             self.current.volume = Some(Arc::new(volume.relight_moving(world, &*radiosity, changed, moving)));
         }
         let directions = if max_sweeps == MOVING_SWEEPS { MOVING_DIRECTIONS } else { LOBE_DIRECTIONS };
-        self.current.environments = Arc::new(self.current.environments.relit(world, &radiosity, directions));
+        let depth = depth_of(&self.current.scene.plan);
+        let maps = self.current.environments.relit(world, &radiosity, directions, depth);
+        self.current.environments = Arc::new(maps);
         self.current.radiosity = radiosity;
     }
 

@@ -60,7 +60,9 @@ impl Component {
                 ..over
             },
             Self::Mirror => PlanOverrides { mirror_depth: None, mirrors: None, mirror_images: None, ..over },
-            Self::Glossy => PlanOverrides { glossy: None, glossy_particles: None, ..over },
+            Self::Glossy => {
+                PlanOverrides { glossy: None, glossy_particles: None, glossy_depth: None, ..over }
+            }
             Self::IrradianceVolume => PlanOverrides {
                 volume: None,
                 volume_samples: None,

@@ -3,7 +3,7 @@
 use super::{LiveTransport, SolveError, SolveSettings};
 use crate::{
     glossy::{
-        environment::LOBE_DIRECTIONS,
+        environment::{LOBE_DIRECTIONS, depth_of},
         particles::light::{self, ParticleLight},
     },
     irradiance_volume::IrradianceVolume,
@@ -46,9 +46,12 @@ impl LiveTransport {
         if !kept {
             let start = Instant::now();
             current.radiosity = Arc::new(self.radiosity(&settings.radiosity, progress)?);
-            let maps = current.environments.relit(&current.world, &current.radiosity, LOBE_DIRECTIONS);
-            current.environments = Arc::new(maps);
             stage(&mut current.provenance, "radiosity", start);
+        }
+        let depth = depth_of(&scene.plan);
+        if !kept || depth != depth_of(&self.current.scene.plan) {
+            let (world, light) = (&current.world, &current.radiosity);
+            current.environments = Arc::new(current.environments.relit(world, light, LOBE_DIRECTIONS, depth));
         }
         if MirrorSettings::of(&scene.plan).images.is_none() {
             current.mirror_images = None;
