@@ -163,9 +163,8 @@ fn own_pixel(id: vec2u) -> GlossyPixel {
 
 // What a pixel reflects of what arrives within its lobe.
 fn put(pixel: GlossyPixel, radiance: vec3f) {
-    store(pixel.index, 3u, vec3f(0.0));
     store(pixel.index, 4u, pixel.share * radiance);
-    layers[state_of(frame.size, pixel.index, VIEW)] = REFLECTED;
+    layers[state_of(frame.size, pixel.index, VIEW)] = CONVOLVED;
 }
 
 fn reach_of(pixel: GlossyPixel) -> f32 {

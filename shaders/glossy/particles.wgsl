@@ -194,8 +194,13 @@ fn splat_particles(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let pixel = id.y * frame.size.x + id.x;
-    let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id.xy, frame.subpixel));
+    let direction = pixel_direction(frame, id.xy, frame.subpixel);
+    let surface = surface_seen(seen - 1u, frame.eye, direction);
     let specular = specular_at(surface);
+    var bent = vec3f(0.0);
+    if glass {
+        bent = seen_through(surface, direction, frame.samples > 0u, pixel_scramble(pixel), false, true).bent;
+    }
     var value = vec3f(0.0);
     if specular.alpha > 0.0 {
         let wo = normalize_or(frame.eye - surface.position, surface.normal);
@@ -203,5 +208,6 @@ fn splat_particles(@builtin(global_invocation_id) id: vec3u) {
         value = by_particles(surface, specular, frame.eye)
             + straight_light(surface, specular, wo, samples, pixel_scramble(pixel));
     }
+    store(pixel, 3u, bent);
     store(pixel, 4u, value);
 }

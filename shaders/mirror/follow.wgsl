@@ -46,11 +46,10 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             let mirrored = view != NONE && view != 0u;
             layers[state_of(frame.size, pixel, NEARNESS)] = select(NOT_MIRRORED, 0.0, mirrored);
             layers[state_of(frame.size, pixel, VIEW)] = select(0.0, f32(view), mirrored);
-            if view == NONE {
+            let elsewhere = is_by_particles(vec2u(x, id.y)) && textureLoad(seen_triangles, vec2u(x, id.y), 0).x != 0u;
+            if view == NONE && !elsewhere {
                 store(pixel, 3u, vec3f(0.0));
-                if !(is_by_particles(vec2u(x, id.y)) && textureLoad(seen_triangles, vec2u(x, id.y), 0).x != 0u) {
-                    store(pixel, 4u, vec3f(0.0));
-                }
+                store(pixel, 4u, vec3f(0.0));
             }
         }
     }
@@ -145,7 +144,8 @@ fn follow_elements(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     }
 }
 
-fn reflect_pixel(pixel: u32, mirrored: bool) {
+// What is convolved has put itself into the layer glossy.
+fn reflect_pixel(pixel: u32, mirrored: bool, convolved: bool) {
     let id = vec2u(pixel % frame.size.x, pixel / frame.size.x);
     let direction = pixel_direction(frame, id, frame.subpixel);
     let surface = surface_seen(textureLoad(seen_triangles, id, 0).x - 1u, frame.eye, direction);
@@ -163,20 +163,26 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
         bent = seen_through(surface, direction, frame.samples > 0u, pixel_scramble(pixel), false, true).bent;
     }
     store(pixel, 3u, bent + select(vec3f(0.0), value, specular.alpha == 0.0));
-    store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
+    if !convolved {
+        store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
+    }
 }
 
-// What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing, and what is
-// convolved has put itself there.
+// What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing.
 @compute @workgroup_size(WORK_GROUP)
 fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = atomicLoad(&work[WITH_VIEW * HEAD + 3u]);
     for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
         let pixel = atomicLoad(&work[work_place(frame.size, WITH_VIEW, i)]);
         // What no image-with-depth has seen is among those without a view.
-        if layers[state_of(frame.size, pixel, NEARNESS)] != NOT_MIRRORED
-            && layers[state_of(frame.size, pixel, VIEW)] != REFLECTED {
-            reflect_pixel(pixel, true);
+        if layers[state_of(frame.size, pixel, NEARNESS)] == NOT_MIRRORED {
+            continue;
+        }
+        let convolved = layers[state_of(frame.size, pixel, VIEW)] == CONVOLVED;
+        if glass || !convolved {
+            reflect_pixel(pixel, true, convolved);
+        } else {
+            store(pixel, 3u, vec3f(0.0));
         }
     }
 }
@@ -186,6 +192,6 @@ fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
 fn reflect_as_if_dull(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = atomicLoad(&work[WITHOUT_VIEW * HEAD + 3u]);
     for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
-        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITHOUT_VIEW, i)]), false);
+        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITHOUT_VIEW, i)]), false, false);
     }
 }

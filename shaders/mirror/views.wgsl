@@ -34,8 +34,8 @@ const NEARNESS: u32 = 6u;
 const VIEW: u32 = 7u;
 // Nearness of a pixel that shows no mirror.
 const NOT_MIRRORED: f32 = -1.0;
-// View of a pixel whose layers hold what it reflects already.
-const REFLECTED: f32 = -1.0;
+// View of a pixel whose layer glossy holds what it reflects already.
+const CONVOLVED: f32 = -1.0;
 
 fn state_of(size: vec2u, pixel: u32, plane: u32) -> u32 {
     return (3u * LAYERS + plane) * size.x * size.y + pixel;

@@ -5,11 +5,14 @@
 
 pub mod clock;
 pub mod device;
+pub mod emitters;
 pub mod frame;
 mod indices;
 pub mod inspection;
 pub mod offline;
+mod picture;
 pub(crate) mod pipelines;
+mod read;
 mod readback;
 pub mod renderer;
 pub(crate) mod scene;

@@ -96,3 +96,16 @@ pub(crate) fn render_pipeline(
         cache: None,
     })
 }
+
+/// A colour target that begins with nothing in it.
+pub(crate) fn clearing(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}

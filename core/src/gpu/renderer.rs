@@ -11,32 +11,31 @@ use super::{
     device::GpuError,
     frame::{Composite, FalseColourTable, Frame},
     inspection::Inspection,
-    pipelines::{Raster, compute_variant, render_pipeline},
-    readback,
+    picture::{ShadePipelines, groups},
+    pipelines::{Raster, clearing, render_pipeline},
     scene::SceneTables,
-    shaders::{self, Needs},
-    storage::{Binding, bind, layout, uniform},
+    shaders,
+    storage::{Binding, layout, uniform},
     targets::{TRIANGLE_FORMAT, Targets},
 };
 use crate::{
     inspection::InspectionScene,
-    math::{false_colour::FalseColour, image::LinearImage},
+    math::false_colour::FalseColour,
     mirror::{
         culling::Portal,
         gpu::MirrorPasses,
         views::{Eye, Rectangle},
     },
-    superposition::{composite::DirectQuality, gbuffer::NO_TRIANGLE, layers::Layers, moved::MovedLight},
+    superposition::{composite::DirectQuality, moved::MovedLight},
     transport::LightTransportSolution,
 };
-use glam::Vec3;
 
 /// Draws a solution into textures of its own.
 pub struct GpuRenderer {
-    format: wgpu::TextureFormat,
+    pub(super) format: wgpu::TextureFormat,
     scene: SceneTables,
     inspection: Inspection,
-    targets: Targets,
+    pub(super) targets: Targets,
     frame: wgpu::Buffer,
     composite_settings: wgpu::Buffer,
     false_colour: wgpu::Buffer,
@@ -301,56 +300,6 @@ impl GpuRenderer {
         self.accumulated
     }
 
-    /// The layers of the last submitted frame, cd/m².
-    ///
-    /// # Errors
-    /// [`GpuError::Readback`] if the device is lost.
-    pub fn read_layers(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Layers, GpuError> {
-        let bytes = readback::buffer(device, queue, &self.targets.layers, self.targets.layer_bytes())?;
-        let values: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        let [width, height] = self.targets.size;
-        let pixels = (width * height) as usize;
-        Ok(Layers {
-            images: std::array::from_fn(|i| LinearImage {
-                width,
-                height,
-                pixels: if i < self.targets.layer_count as usize {
-                    values[3 * pixels * i..][..3 * pixels].chunks_exact(3).map(Vec3::from_slice).collect()
-                } else {
-                    vec![Vec3::ZERO; pixels]
-                },
-            }),
-        })
-    }
-
-    /// The display picture of the last submitted frame, row-major, sRGB.
-    ///
-    /// # Errors
-    /// [`GpuError::Readback`] if the device is lost.
-    pub fn read_output(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[u8; 4]>, GpuError> {
-        use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb};
-        let pixels = readback::texture(device, queue, &self.targets.output)?;
-        Ok(match self.format {
-            Bgra8Unorm | Bgra8UnormSrgb => pixels.into_iter().map(|[b, g, r, a]| [r, g, b, a]).collect(),
-            _ => pixels,
-        })
-    }
-
-    /// Triangle of each pixel of the last submitted frame, [`NO_TRIANGLE`] for none.
-    ///
-    /// # Errors
-    /// [`GpuError::Readback`] if the device is lost.
-    pub fn read_triangle_ids(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<Vec<u32>, GpuError> {
-        let pixels = readback::texture(device, queue, &self.targets.triangles)?;
-        // 0, nothing, wraps around to NO_TRIANGLE.
-        const { assert!(0u32.wrapping_sub(1) == NO_TRIANGLE) };
-        Ok(pixels.into_iter().map(|p| u32::from_le_bytes(p).wrapping_sub(1)).collect())
-    }
-
     fn bind(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
         [self.visibility_group, self.shade_group, self.composite_group] = groups(
             device,
@@ -409,62 +358,4 @@ impl GpuRenderer {
         pass.set_bind_group(0, &self.composite_group, &[]);
         pass.draw(0..3, 0..1);
     }
-}
-
-/// Pipelines that shade.
-struct ShadePipelines {
-    needs: Needs,
-    per_pixel: wgpu::ComputePipeline,
-    /// For scenes as [`SceneTables::is_general`] says: not, and so.
-    elements: [wgpu::ComputePipeline; 2],
-}
-
-impl ShadePipelines {
-    fn new(device: &wgpu::Device, groups: [&wgpu::BindGroupLayout; 2], needs: Needs) -> Self {
-        let module = shaders::SHADE.module(device);
-        let variant = |entry, general| {
-            compute_variant(device, &module, entry, &groups, &shaders::constants(general, needs))
-        };
-        Self {
-            needs,
-            per_pixel: variant("shade_per_pixel", true),
-            elements: [false, true].map(|general| variant("shade_elements", general)),
-        }
-    }
-}
-
-fn clearing(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-            store: wgpu::StoreOp::Store,
-        },
-    }
-}
-
-fn groups(
-    device: &wgpu::Device,
-    [visibility, shade, composite]: [&wgpu::BindGroupLayout; 3],
-    [frame, settings, false_colour]: [&wgpu::Buffer; 3],
-    targets: &Targets,
-    triangles: &wgpu::Buffer,
-) -> [wgpu::BindGroup; 3] {
-    let frame = frame.as_entire_binding();
-    let seen = wgpu::BindingResource::TextureView(&targets.triangles_view);
-    let layers = targets.layers.as_entire_binding();
-    let seen_and_layers = [(0, frame.clone()), (1, seen), (2, layers)];
-    let mut all = seen_and_layers.to_vec();
-    all.extend([
-        (3, settings.as_entire_binding()),
-        (4, false_colour.as_entire_binding()),
-        (5, triangles.as_entire_binding()),
-    ]);
-    [
-        bind(device, "visibility", visibility, &[(0, frame)]),
-        bind(device, "shade", shade, &seen_and_layers),
-        bind(device, "composite", composite, &all),
-    ]
 }

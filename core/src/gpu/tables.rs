@@ -1,6 +1,7 @@
 //! The scene as flat tables: the Rust sides of the structures in `shaders/shared/`.
 
 use super::device::GpuError;
+pub use super::emitters::{EmitterInfo, EmitterTriangle, emitters};
 use crate::{
     glossy::environment::Environments,
     math::image::LinearImage,
@@ -8,9 +9,7 @@ use crate::{
     radiosity::{RadiositySolution, surface_map::BURIED},
     scene::{
         accel::{Accel, TreeView},
-        emitters::{Emitter, Emitters},
         geometry::Geometry,
-        lamp::LampKind,
     },
     superposition::moved::MovedLight,
 };
@@ -151,42 +150,6 @@ pub struct Tree {
     pub node_count: u32,
     /// Nothing.
     pub padding: [u32; 2],
-}
-
-/// `EmitterInfo` of `shaders/shared/direct.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct EmitterInfo {
-    /// Intensity (cd), illuminance (lx) or radiance (cd/m²), dimmer applied.
-    pub colour: Vec3,
-    /// 0 point, 1 spot, 2 directional, 3 area.
-    pub kind: u32,
-    /// Position of a lamp, m.
-    pub position: Vec3,
-    /// Cosine of a spot's full cone.
-    pub cos_inner: f32,
-    /// Axis a lamp shines along.
-    pub axis: Vec3,
-    /// Cosine of a spot's dark.
-    pub cos_outer: f32,
-    /// First entry in the emitter triangles.
-    pub first: u32,
-    /// Entries.
-    pub count: u32,
-    /// 1 double-sided, 2 textured.
-    pub flags: u32,
-    /// Area, m².
-    pub area: f32,
-}
-
-/// `EmitterTriangle` of `shaders/shared/direct.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct EmitterTriangle {
-    /// Triangle.
-    pub triangle: u32,
-    /// Area up to and including it, m².
-    pub cumulative_area: f32,
 }
 
 /// `ElementLight` of `shaders/shared/elements.wgsl`.
@@ -390,55 +353,6 @@ pub fn trees(accel: &Accel) -> Vec<Tree> {
         entry
     };
     accel.trees().map(entry).collect()
-}
-
-/// The emitters and the triangles of the area emitters.
-pub fn emitters(emitters: &Emitters) -> (Vec<EmitterInfo>, Vec<EmitterTriangle>) {
-    let mut triangles = Vec::new();
-    let infos = emitters
-        .list
-        .iter()
-        .map(|emitter| match emitter {
-            Emitter::Lamp { lamp, .. } => {
-                let info =
-                    EmitterInfo { position: lamp.position(), axis: lamp.axis(), ..EmitterInfo::default() };
-                match lamp.kind {
-                    LampKind::Point { intensity } => {
-                        EmitterInfo { colour: intensity * lamp.dimmer, kind: 0, ..info }
-                    }
-                    LampKind::Spot { intensity, inner_angle, outer_angle } => EmitterInfo {
-                        colour: intensity * lamp.dimmer,
-                        kind: 1,
-                        cos_inner: inner_angle.cos(),
-                        cos_outer: outer_angle.cos(),
-                        ..info
-                    },
-                    LampKind::Directional { illuminance } => {
-                        EmitterInfo { colour: illuminance * lamp.dimmer, kind: 2, ..info }
-                    }
-                }
-            }
-            Emitter::Area(area) => {
-                let first = triangles.len() as u32;
-                triangles.extend(
-                    area.triangles
-                        .iter()
-                        .zip(&area.cumulative_area)
-                        .map(|(&triangle, &cumulative_area)| EmitterTriangle { triangle, cumulative_area }),
-                );
-                EmitterInfo {
-                    colour: area.radiance,
-                    kind: 3,
-                    first,
-                    count: area.triangles.len() as u32,
-                    flags: u32::from(area.double_sided) | (u32::from(area.textured) << 1),
-                    area: area.area(),
-                    ..EmitterInfo::default()
-                }
-            }
-        })
-        .collect();
-    (infos, triangles)
 }
 
 /// Light of the elements.

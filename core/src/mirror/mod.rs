@@ -35,8 +35,9 @@ mod work;
 /// Mirrored views that one frame shows, at most: the largest first at each depth.
 pub const MOST_VIEWS: usize = 64;
 
-/// Images-with-depth an element that stand for a mirrored view, if the plan does not say: as in Bastos 1999, §6.6.5.
-pub const IMAGES: u32 = 2;
+/// Images-with-depth an element that stand for a mirrored view, if the plan does not say. Two, as in Bastos 1999,
+/// §6.6.5, leave pixels in which what is bright and far shows through what none of the two has seen before it.
+pub const IMAGES: u32 = 4;
 
 /// The same, at most.
 pub const MOST_IMAGES: u32 = 64;

@@ -4,7 +4,7 @@
 //! and blended: the blending of floats is no part of what every adapter offers, and its order would change the sum.
 
 use crate::gpu::{
-    pipelines::compute_pipeline,
+    pipelines::compute_variant,
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout},
@@ -24,7 +24,9 @@ impl ParticlePass {
         let bindings = [(0, Uniform), (1, Texture), (2, Written), (3, Table)];
         let layout = layout(device, "particles", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = shaders::PARTICLES.module(device);
-        let splat = compute_pipeline(device, &module, "splat_particles", &[&scene.layout, &layout]);
+        let constants = shaders::constants(true, scene.needs());
+        let groups = [&scene.layout, &layout];
+        let splat = compute_variant(device, &module, "splat_particles", &groups, &constants);
         Self { layout, splat }
     }
 
