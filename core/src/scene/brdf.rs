@@ -80,7 +80,7 @@ impl Brdf {
     }
 
     /// The same of a solid's boundary met from within.
-    pub(super) fn from_inside(self) -> Self {
+    pub(super) fn met_from_inside(self) -> Self {
         let within = |side| if side == Side::Outside { Side::Inside } else { side };
         let Some(glass) = self.glass else { return self };
         let specular = self.specular.map(|s| Specular { side: within(s.side), ..s });

@@ -208,7 +208,7 @@ impl Geometry {
             return Brdf::default();
         }
         let front = self.material_of(surface.triangle).brdf_at(surface.uv, &self.textures);
-        if surface.back { front.from_inside() } else { front }
+        if surface.back { front.met_from_inside() } else { front }
     }
 
     /// Whether light passes through any triangle.
