@@ -217,6 +217,7 @@ fn glass_is_a_pane_or_with_a_volume_the_boundary_of_a_solid() {
     assert_eq!((pane.transmission, pane.ior, pane.solid, pane.double_sided), (0.5, 1.33, false, true));
     assert_eq!((solid.transmission, solid.ior, solid.solid, solid.double_sided), (0.5, 1.5, true, true));
     assert!(scene.warnings.iter().any(|w| w.contains("rough glass is shown clear: frosted")));
+    assert!(!scene.warnings.iter().any(|w| w.contains("not read")), "{:?}", scene.warnings);
 }
 
 #[test]

@@ -1,5 +1,13 @@
 //! The command line: one binary, one subcommand a job, one clear line when something is wrong.
 
+/// As the standard one, except that a reader who closes the pipe, such as `head`, does not end the job.
+macro_rules! println {
+    ($($what:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($what)*);
+    }};
+}
+
 mod bake;
 mod chart;
 mod compare;

@@ -17,12 +17,13 @@ use glam::{Affine3A, Mat4, Vec2, Vec3};
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 /// Extensions whose meaning is taken over, or whose lack is noted where they are used.
-const KNOWN_EXTENSIONS: [&str; 6] = [
+const KNOWN_EXTENSIONS: [&str; 7] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_texture_transform",
 ];
 
