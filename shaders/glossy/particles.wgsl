@@ -4,7 +4,7 @@
 // As `SplatMap::table` lays it out.
 @group(1) @binding(3) var<storage, read> particles: array<vec4u>;
 
-const LOBE: u32 = 0x51ED270Bu;
+const LOBE_SCRAMBLE: u32 = 0x51ED270Bu;
 const LEAST_SAMPLES: u32 = 4u;
 const SAME_SIDE: f32 = 0.5;
 
@@ -164,7 +164,7 @@ fn straight_light(surface: Surface, specular: Specular, wo: vec3f, samples: u32,
     }
     let origin = offset_origin(surface.position, surface.geometric_normal);
     for (var j = 0u; j < samples; j++) {
-        let wi = ggx_sample(surface.normal, wo, specular.alpha, r2_point(j, hash(scramble ^ LOBE)));
+        let wi = ggx_sample(surface.normal, wo, specular.alpha, r2_point(j, hash(scramble ^ LOBE_SCRAMBLE)));
         if dot(surface.normal, wi) <= 0.0 || dot(surface.geometric_normal, wi) <= 0.0 {
             continue;
         }
@@ -197,10 +197,6 @@ fn splat_particles(@builtin(global_invocation_id) id: vec3u) {
     let direction = pixel_direction(frame, id.xy, frame.subpixel);
     let surface = surface_seen(seen - 1u, frame.eye, direction);
     let specular = specular_at(surface);
-    var bent = vec3f(0.0);
-    if glass {
-        bent = seen_through(surface, direction, frame.samples > 0u, pixel_scramble(pixel), false, true).bent;
-    }
     var value = vec3f(0.0);
     if specular.alpha > 0.0 {
         let wo = normalize_or(frame.eye - surface.position, surface.normal);
@@ -208,6 +204,6 @@ fn splat_particles(@builtin(global_invocation_id) id: vec3u) {
         value = by_particles(surface, specular, frame.eye)
             + straight_light(surface, specular, wo, samples, pixel_scramble(pixel));
     }
-    store(pixel, 3u, bent);
+    store(pixel, 3u, vec3f(0.0));
     store(pixel, 4u, value);
 }

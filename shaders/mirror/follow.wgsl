@@ -144,8 +144,7 @@ fn follow_elements(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     }
 }
 
-// What is convolved has put itself into the layer glossy.
-fn reflect_pixel(pixel: u32, mirrored: bool, convolved: bool) {
+fn reflect_pixel(pixel: u32, mirrored: bool) {
     let id = vec2u(pixel % frame.size.x, pixel / frame.size.x);
     let direction = pixel_direction(frame, id, frame.subpixel);
     let surface = surface_seen(textureLoad(seen_triangles, id, 0).x - 1u, frame.eye, direction);
@@ -163,9 +162,7 @@ fn reflect_pixel(pixel: u32, mirrored: bool, convolved: bool) {
         bent = seen_through(surface, direction, frame.samples > 0u, pixel_scramble(pixel), false, true).bent;
     }
     store(pixel, 3u, bent + select(vec3f(0.0), value, specular.alpha == 0.0));
-    if !convolved {
-        store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
-    }
+    store(pixel, 4u, select(value, vec3f(0.0), specular.alpha == 0.0));
 }
 
 // What arrived, reflected into the layers mirror and glossy; `begin` has seen to what reflects nothing.
@@ -178,11 +175,11 @@ fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
         if layers[state_of(frame.size, pixel, NEARNESS)] == NOT_MIRRORED {
             continue;
         }
-        let convolved = layers[state_of(frame.size, pixel, VIEW)] == CONVOLVED;
-        if glass || !convolved {
-            reflect_pixel(pixel, true, convolved);
-        } else {
+        // What is convolved has put itself into the layer glossy.
+        if layers[state_of(frame.size, pixel, VIEW)] == CONVOLVED {
             store(pixel, 3u, vec3f(0.0));
+        } else {
+            reflect_pixel(pixel, true);
         }
     }
 }
@@ -192,6 +189,6 @@ fn reflect_into_layers(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
 fn reflect_as_if_dull(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = atomicLoad(&work[WITHOUT_VIEW * HEAD + 3u]);
     for (var i = id.x; i < count; i += groups.x * WORK_GROUP) {
-        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITHOUT_VIEW, i)]), false, false);
+        reflect_pixel(atomicLoad(&work[work_place(frame.size, WITHOUT_VIEW, i)]), false);
     }
 }

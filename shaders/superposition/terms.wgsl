@@ -44,7 +44,7 @@ fn diffuse_terms(surface: Surface, stored: StoredLight, rays: bool, scramble: u3
 }
 
 // What is seen through a surface of glass along a direction, straight through panes and otherwise, as far as it is
-// wanted: twin of `Shading::seen_through`.
+// wanted: twin of `World::seen_through` and the loop over it in `Shading::terms`.
 fn seen_through(start: Surface, along: vec3f, rays: bool, scramble: u32, straight: bool, otherwise: bool) -> Terms {
     var terms = Terms();
     var surface = start;

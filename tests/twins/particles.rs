@@ -73,7 +73,7 @@ fn particles_follow_a_dimmed_lamp_and_give_way_to_another_method() {
     scene.objects.iter_mut().for_each(|o| o.dimmer = 0.0);
     let mut world = (*solution.world).clone();
     world.follow(&scene);
-    let particles = Some(Arc::new(solution.particles.as_ref().unwrap().followed(&world)));
+    let particles = Some(Arc::new(solution.particles.as_ref().unwrap().followed(&world, 3_000)));
     let dark = LightTransportSolution {
         scene: Arc::new(scene),
         world: Arc::new(world),

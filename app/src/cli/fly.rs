@@ -159,7 +159,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     };
     let solution = match options.glossy {
         Some(GlossyMethod::Particles) => {
-            let sent = ParticleLight::new(&solution.world, PARTICLES, common.seed, &Progress::silent())?;
+            let count = solution.scene.plan.glossy_particles.unwrap_or(PARTICLES);
+            let sent = ParticleLight::new(&solution.world, count, common.seed, &Progress::silent())?;
             LightTransportSolution { particles: Some(Arc::new(sent)), ..solution }
         }
         _ => solution,
@@ -255,9 +256,10 @@ fn with_reflectors(
     let mut world = (*solution.world).clone();
     for (i, material) in world.geometry.materials.iter_mut().enumerate() {
         if !kept.contains(&(i as u32)) {
-            (material.roughness, material.metallic) = (1.0, 0.0);
+            (material.roughness, material.metallic, material.transmission) = (1.0, 0.0, 0.0);
         }
     }
+    world.glass = world.geometry.has_glass();
     let depth = MirrorSettings::of(&scene.plan).depth;
     let polished = Reflectors::new(&world.geometry).list.len();
     if polished != count {

@@ -4,7 +4,11 @@
 macro_rules! println {
     ($($what:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($what)*);
+        if let Err(error) = writeln!(std::io::stdout(), $($what)*)
+            && error.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            panic!("standard output cannot be written: {error}");
+        }
     }};
 }
 

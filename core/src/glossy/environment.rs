@@ -356,8 +356,8 @@ fn texel_direction(i: u32, [w, h]: [u32; 2]) -> Vec3 {
     direction(Vec2::new((i % w) as f32 + 0.5, (i / w) as f32 + 0.5) / Vec2::new(w as f32, h as f32))
 }
 
-/// Where a ray from within a reflector ends, past its own triangles, by way of mirrors and through glass; its distance is that to
-/// what it met first, or to far away.
+/// Where a ray from within a reflector ends, past its own triangles, by way of mirrors and through clear glass; its
+/// distance is that to what it met first, or to far away.
 fn end(world: &World, from: &Mapped, ray: Ray) -> (f32, Option<End>) {
     const FAR: f32 = 1e6;
     let geometry = &world.geometry;
@@ -374,7 +374,7 @@ fn end(world: &World, from: &Mapped, ray: Ray) -> (f32, Option<End>) {
         let surface = geometry.surface(hit.triangle, hit.barycentric, ray.direction);
         // A coat over something dull is not followed: what lies beneath gives most of the light.
         let brdf = geometry.brdf(&surface);
-        if let Some(glass) = brdf.glass {
+        if let Some(glass) = brdf.glass.filter(|_| brdf.diffuse == Vec3::ZERO) {
             let passed = glass.pass_or_reflect(&surface, ray.direction);
             (ray, left) = (passed.ray, left * passed.share);
             continue;

@@ -165,7 +165,7 @@ impl SceneTables {
         self.last.as_ref()
     }
 
-    /// How it is looked up.
+    /// What it needs of the programs that shade.
     pub(crate) fn needs(&self) -> Needs {
         let needs = |s: &LightTransportSolution| Needs { lookup: s.lookup(), glass: s.world.glass };
         self.last.as_ref().map_or(Needs::default(), needs)

@@ -241,11 +241,13 @@ pub fn trace_point(
             let mut element = NO_ELEMENT;
             if let Some(hit) = hit {
                 let surface = world.geometry.surface(hit.triangle, hit.barycentric, direction);
-                if !world.geometry.is_lit(&surface) {
+                let lit = world.geometry.is_lit(&surface);
+                if !lit {
                     backs += 1;
                 } else if passes_on(world, hit.triangle) {
                     walk.pass_on(bin, direction, &surface, Vec3::splat(share));
-                } else {
+                }
+                if lit && is_dull(world, hit.triangle) {
                     element = walk.element(&hit, &surface);
                     if world.geometry.material_of(hit.triangle).emission != Vec3::ZERO {
                         walk.hits.emitters.push((number, hit.triangle, surface.uv));
@@ -286,6 +288,13 @@ fn passes_on(world: &World, triangle: u32) -> bool {
     material.is_mirror() || material.is_glass()
 }
 
+/// Whether a surface's own light counts: it is dull, or glass that is so in part. What glass reflects outward is
+/// left out.
+fn is_dull(world: &World, triangle: u32) -> bool {
+    let material = world.geometry.material_of(triangle);
+    !passes_on(world, triangle) || material.is_glass() && material.diffuse_share() > 0.0
+}
+
 /// Where a ray goes on from a surface that mirrors or lets pass, with what share of the light, and whether it only
 /// met a pane.
 fn onward(world: &World, surface: &Surface, direction: Vec3) -> (Ray, Vec3, bool) {
@@ -298,8 +307,8 @@ fn onward(world: &World, surface: &Surface, direction: Vec3) -> (Ray, Vec3, bool
     (surface.mirrored(direction), share, false)
 }
 
-/// Where a ray goes, by way of mirrors and through glass until a dull surface or until less than `cutoff` is left of it: the
-/// places from its origin on, and whether it ends on a side that sends light. `None` where it meets nothing.
+/// Where a ray goes, by way of mirrors and through glass until a dull surface or until less than `cutoff` is left of
+/// it: the places from its origin on, and whether it ends on a side that sends light. `None` where it meets nothing.
 pub fn chain(world: &World, cutoff: f32, origin: Vec3, direction: Vec3) -> Option<(Vec<Vec3>, bool)> {
     let (mut places, mut ray) = (vec![origin], Ray::new(origin, direction));
     let mut left = Vec3::ONE;
@@ -365,11 +374,13 @@ impl<L: SurfaceLight> Walk<'_, L> {
                 let source = Source::Emission(hit.triangle, surface.uv);
                 self.hits.extras.push(Extra { bin, source, factor });
             }
-            if !passes_on(self.world, hit.triangle) {
+            if is_dull(self.world, hit.triangle) {
                 let element = self.element(&hit, &surface);
                 if element != NO_ELEMENT {
                     self.hits.extras.push(Extra { bin, source: Source::Element(element), factor });
                 }
+            }
+            if !passes_on(self.world, hit.triangle) {
                 return;
             }
         }

@@ -21,7 +21,7 @@ use crate::glossy::{
 use crate::gpu::{
     clock::{Stage, StageClock, mark},
     frame::FrameSettings,
-    pipelines::{Raster, compute_variant, render_pipeline},
+    pipelines::{Raster, clearing, compute_variant, render_pipeline},
     scene::SceneTables,
     shaders,
     storage::{Binding, bind, layout, uniform},
@@ -264,18 +264,9 @@ impl MirrorPasses {
         views: &[MirroredView],
         depth: u32,
     ) {
-        let clear = |view| wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Store,
-            },
-        };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mirrored views"),
-            color_attachments: &[Some(clear(&self.canvas.triangles))],
+            color_attachments: &[Some(clearing(&self.canvas.triangles))],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.canvas.depth,
                 depth_ops: Some(wgpu::Operations {

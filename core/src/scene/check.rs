@@ -128,7 +128,9 @@ fn check_materials(scene: &Scene, findings: &mut Vec<Finding>) {
             Some(i) => scene.textures[i].pixels.iter().fold(Vec3::ZERO, |m, p| m.max(*p)),
             None => Vec3::ONE,
         };
-        let reflectance = (material.reflectance * peak).max_element();
+        // Of glass the colour is that of what passes.
+        let kept = 1.0 - material.passes();
+        let reflectance = (material.reflectance * peak * kept).max_element();
         let what = format!("material \"{}\" reflects {reflectance:.3} of the light", material.name);
         if reflectance >= 1.0 {
             findings.push(Finding::warning(

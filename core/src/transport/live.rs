@@ -231,8 +231,10 @@ impl LiveTransport {
         self.current.scene = scene;
         self.current.world = Arc::new(world);
         self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS, &relit);
-        if let Some(particles) = &self.current.particles {
-            self.current.particles = Some(Arc::new(particles.followed(&self.current.world)));
+        if let Some(particles) = &self.current.particles
+            && let Some(count) = light::wanted(&self.current.scene.plan, &self.current.world.geometry)
+        {
+            self.current.particles = Some(Arc::new(particles.followed(&self.current.world, count)));
         }
         for target in relit {
             if !self.coarse.contains(&target) {

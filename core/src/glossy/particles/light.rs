@@ -44,9 +44,9 @@ impl ParticleLight {
         Self::refined(Particles::new(world, seed), world, count, progress)
     }
 
-    /// The light of emitters that were dimmed or moved; those that were moved send fewer particles for now.
-    pub fn followed(&self, world: &World) -> Self {
-        let count = self.particles.count() / WHILE_MOVING;
+    /// The light of emitters that were dimmed or moved; those that were moved send an eighth of `count` for now.
+    pub fn followed(&self, world: &World, count: u32) -> Self {
+        let count = (count / WHILE_MOVING).max(1);
         let mut particles = self.particles.clone();
         particles.follow(world);
         match Self::refined(particles, world, count, &Progress::silent()) {
@@ -56,7 +56,8 @@ impl ParticleLight {
         }
     }
 
-    /// Sends more until there are about `count`; the same light as if there had been so many from the first.
+    /// Sends more until there are about `count`; the same light as if there had been so many from the first, as long
+    /// as no emitter was dimmed: one that was keeps the number it had a right to.
     ///
     /// # Errors
     /// [`Cancelled`]; this light stays.

@@ -15,8 +15,8 @@
 //! Limits. The sum is the radiance convolved with the Gaussian, so its bias is 0.086 h² ΔL to second order, h the
 //! radius, where the surface goes on; within a radius of a surface's edge the Gaussian reaches past it and
 //! up to half of the light is lost, three quarters at a rectangular corner; shadows leak by the same radius. Its
-//! variance is that of the lobe's value over some dozens of particles, so lobes narrower than the light they mirror need very many.
-
+//! variance is that of the lobe's value over some dozens of particles, so lobes narrower than the light they mirror
+//! need very many. Neither particles nor straight light pass glass: what is glossy is dark behind it.
 //!
 //! As a method of the picture (`glossy: particles`) they are a part of the solution ([`light`]): a lamp that is dimmed
 //! costs the sorting alone, one that is moved its own particles. [`gpu`] is the twin of [`pass`].

@@ -66,10 +66,7 @@ pub struct SplatMap {
 impl SplatMap {
     /// Sorts the hits on glossy surfaces.
     pub fn new(world: &World, particles: &Particles, settings: &SplatSettings) -> Self {
-        Self::of(world, particles, settings, |t| {
-            let material = world.geometry.material_of(t);
-            material.alpha().is_some_and(|alpha| alpha > 0.0)
-        })
+        Self::of(world, particles, settings, |t| world.geometry.material_of(t).is_glossy())
     }
 
     /// Sorts the hits on the triangles that `takes` names.

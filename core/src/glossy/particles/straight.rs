@@ -17,7 +17,7 @@ use crate::{
 use glam::Vec3;
 
 /// Makes the scramble of the lobe's directions another one than that of the places on lamps.
-const LOBE: u32 = 0x51ED_270B;
+const LOBE_SCRAMBLE: u32 = 0x51ED_270B;
 
 /// Radiance that the lobe of a glossy surface sends along `wo` of the light that comes straight from the emitters,
 /// cd/m²; by so many samples of each emitter and as many of the lobe.
@@ -43,7 +43,7 @@ pub fn straight_light(world: &World, surface: &Surface, wo: Vec3, samples: u32, 
         }
     }
     for j in 0..samples {
-        let drawn = lobe.sample(normal, wo, r2_point(j, hash(scramble ^ LOBE)));
+        let drawn = lobe.sample(normal, wo, r2_point(j, hash(scramble ^ LOBE_SCRAMBLE)));
         let Some(wi) = drawn.filter(|wi| rises(*wi)) else { continue };
         let Some(hit) = world.accel.trace(&Ray::new(receiver.origin(), wi)) else { continue };
         let met = world.geometry.surface(hit.triangle, hit.barycentric, wi);
