@@ -28,16 +28,19 @@ fn published(x: f64, y: f64, z: f64) -> DVec3 {
 pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
         ("cornell/cornell.glb".into(), model().bytes()),
-        ("cornell/cornell.ron".into(), RON.as_bytes().to_vec()),
-        ("cornell/quadtrees.ron".into(), QUADTREES.as_bytes().to_vec()),
+        ("cornell/cornell.ron".into(), scene(RON)),
+        ("cornell/quadtrees.ron".into(), scene(QUADTREES)),
     ]
 }
 
-const RON: &str = "\
-// The Cornell box, in metres, from its published dimensions; the lamp is an emissive rectangle.
-// Both blocks may be dragged.
-(
-    models: [(file: \"cornell.glb\")],
+/// What a scene file begins with, and what it has beside the box.
+type Words = [&'static str; 2];
+
+fn scene([about, own]: Words) -> Vec<u8> {
+    format!("{about}(\n{BOX}{own})\n").into_bytes()
+}
+
+const BOX: &str = "    models: [(file: \"cornell.glb\")],
     movable: [\"Short block\", \"Tall block\"],
     camera: Some((
         eye: (0.0, 0.273, 0.8),
@@ -46,34 +49,34 @@ const RON: &str = "\
         // 2 atan(0.0125 / 0.035): the published lens and film.
         vertical_fov: 0.6861,
     )),
-    planes: [(
+";
+
+const RON: Words = [
+    "\
+// The Cornell box, in metres, from its published dimensions; the lamp is an emissive rectangle.
+// Both blocks may be dragged.
+",
+    "    planes: [(
         name: \"Floor\",
         corner: (-0.2764, 0.0, 0.0),
         edge_u: (0.5528, 0.0, 0.0),
         edge_v: (0.0, 0.0, -0.5592),
     )],
-)
-";
+",
+];
 
-const QUADTREES: &str = "\
+const QUADTREES: Words = [
+    "\
 // The Cornell box with radiosity on quadtrees: cells of 8 cm, split up to three times where light bends.
-(
-    models: [(file: \"cornell.glb\")],
-    movable: [\"Short block\", \"Tall block\"],
-    camera: Some((
-        eye: (0.0, 0.273, 0.8),
-        target: (0.0, 0.273, 0.0),
-        up: (0.0, 1.0, 0.0),
-        vertical_fov: 0.6861,
-    )),
-    plan: (
+",
+    "    plan: (
         element_spacing_m: 0.08,
         element_levels: 3,
         element_tolerance: 0.05,
         element_restricted: true,
     ),
-)
-";
+",
+];
 
 fn model() -> Model {
     let mut model = Model::default();

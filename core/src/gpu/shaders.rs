@@ -9,7 +9,9 @@ use crate::radiosity::lookup::Lookup;
 pub struct Program {
     /// Its name, for labels and messages.
     pub name: &'static str,
-    /// Its files.
+    /// Files it begins with.
+    begins: &'static [&'static str],
+    /// Its own files.
     files: &'static [&'static str],
 }
 
@@ -19,34 +21,36 @@ macro_rules! wgsl {
     };
 }
 
+/// What the programs that shade surfaces begin with.
+const SHADING: &[&str] = &[
+    wgsl!("shared/random.wgsl"),
+    wgsl!("shared/frame.wgsl"),
+    wgsl!("shared/scene.wgsl"),
+    wgsl!("shared/reflection.wgsl"),
+    wgsl!("shared/rays.wgsl"),
+    wgsl!("shared/glass.wgsl"),
+    wgsl!("shared/direct.wgsl"),
+    wgsl!("shared/elements.wgsl"),
+    wgsl!("glossy/environment.wgsl"),
+    wgsl!("shared/layers.wgsl"),
+    wgsl!("superposition/terms.wgsl"),
+];
+
 /// Which triangle each pixel sees.
 pub const VISIBILITY: Program = Program {
     name: "visibility",
+    begins: &[],
     files: &[wgsl!("shared/frame.wgsl"), wgsl!("shared/scene.wgsl"), wgsl!("superposition/visibility.wgsl")],
 };
 
 /// The layers.
-pub const SHADE: Program = Program {
-    name: "shade",
-    files: &[
-        wgsl!("shared/random.wgsl"),
-        wgsl!("shared/frame.wgsl"),
-        wgsl!("shared/scene.wgsl"),
-        wgsl!("shared/reflection.wgsl"),
-        wgsl!("shared/rays.wgsl"),
-        wgsl!("shared/glass.wgsl"),
-        wgsl!("shared/direct.wgsl"),
-        wgsl!("shared/elements.wgsl"),
-        wgsl!("glossy/environment.wgsl"),
-        wgsl!("shared/layers.wgsl"),
-        wgsl!("superposition/terms.wgsl"),
-        wgsl!("superposition/shade.wgsl"),
-    ],
-};
+pub const SHADE: Program =
+    Program { name: "shade", begins: SHADING, files: &[wgsl!("superposition/shade.wgsl")] };
 
 /// Which triangle each pixel sees by way of mirrors.
 pub const MIRROR_VISIBILITY: Program = Program {
     name: "mirror visibility",
+    begins: &[],
     files: &[
         wgsl!("shared/frame.wgsl"),
         wgsl!("shared/scene.wgsl"),
@@ -58,18 +62,8 @@ pub const MIRROR_VISIBILITY: Program = Program {
 /// What arrives by way of mirrors.
 pub const MIRROR_FOLLOW: Program = Program {
     name: "mirror follow",
+    begins: SHADING,
     files: &[
-        wgsl!("shared/random.wgsl"),
-        wgsl!("shared/frame.wgsl"),
-        wgsl!("shared/scene.wgsl"),
-        wgsl!("shared/reflection.wgsl"),
-        wgsl!("shared/rays.wgsl"),
-        wgsl!("shared/glass.wgsl"),
-        wgsl!("shared/direct.wgsl"),
-        wgsl!("shared/elements.wgsl"),
-        wgsl!("glossy/environment.wgsl"),
-        wgsl!("shared/layers.wgsl"),
-        wgsl!("superposition/terms.wgsl"),
         wgsl!("mirror/views.wgsl"),
         wgsl!("mirror/state.wgsl"),
         wgsl!("mirror/work.wgsl"),
@@ -80,6 +74,7 @@ pub const MIRROR_FOLLOW: Program = Program {
 /// Mirrored views from images-with-depth.
 pub const MIRROR_SPLAT: Program = Program {
     name: "mirror splat",
+    begins: &[],
     files: &[
         wgsl!("shared/frame.wgsl"),
         wgsl!("mirror/views.wgsl"),
@@ -91,6 +86,7 @@ pub const MIRROR_SPLAT: Program = Program {
 /// The glossy layer.
 pub const GLOSSY: Program = Program {
     name: "glossy",
+    begins: &[],
     files: &[
         wgsl!("shared/frame.wgsl"),
         wgsl!("shared/scene.wgsl"),
@@ -110,26 +106,14 @@ pub const GLOSSY: Program = Program {
 /// The glossy layer by particles.
 pub const PARTICLES: Program = Program {
     name: "particles",
-    files: &[
-        wgsl!("shared/random.wgsl"),
-        wgsl!("shared/frame.wgsl"),
-        wgsl!("shared/scene.wgsl"),
-        wgsl!("shared/reflection.wgsl"),
-        wgsl!("shared/rays.wgsl"),
-        wgsl!("shared/glass.wgsl"),
-        wgsl!("shared/direct.wgsl"),
-        wgsl!("shared/elements.wgsl"),
-        wgsl!("glossy/environment.wgsl"),
-        wgsl!("shared/layers.wgsl"),
-        wgsl!("superposition/terms.wgsl"),
-        wgsl!("glossy/ggx.wgsl"),
-        wgsl!("glossy/particles.wgsl"),
-    ],
+    begins: SHADING,
+    files: &[wgsl!("glossy/ggx.wgsl"), wgsl!("glossy/particles.wgsl")],
 };
 
 /// From layers to display.
 pub const COMPOSITE: Program = Program {
     name: "composite",
+    begins: &[],
     files: &[
         wgsl!("shared/frame.wgsl"),
         wgsl!("shared/false_colour.wgsl"),
@@ -140,6 +124,7 @@ pub const COMPOSITE: Program = Program {
 /// What a view shows.
 pub const INSPECTION: Program = Program {
     name: "inspection",
+    begins: &[],
     files: &[
         wgsl!("shared/frame.wgsl"),
         wgsl!("shared/false_colour.wgsl"),
@@ -185,7 +170,7 @@ pub(crate) struct Needs {
 impl Program {
     /// Its whole source.
     pub fn source(&self) -> String {
-        self.files.join("\n")
+        [self.begins, self.files].concat().join("\n")
     }
 
     /// Compiles it.

@@ -104,10 +104,8 @@ impl Material {
         if !self.is_specular() {
             return 1.0;
         }
-        let passes_nothing = 1.0 - self.transmission.clamp(0.0, 1.0);
-        (1.0 - self.metallic.clamp(0.0, 1.0))
-            * (1.0 - fresnel::hemispherical(self.coat_reflectance()))
-            * passes_nothing
+        let kept = 1.0 - self.transmission.clamp(0.0, 1.0);
+        (1.0 - self.metallic.clamp(0.0, 1.0)) * (1.0 - fresnel::hemispherical(self.coat_reflectance())) * kept
     }
 
     /// What its front does to light at texture coordinates.
