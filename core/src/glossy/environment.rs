@@ -159,9 +159,9 @@ impl Environments {
                 list.push(map);
             }
         }
-        let ends =
+        let mut ends =
             list.iter().flat_map(|map: &Environment| map.ends.iter().filter_map(|(_, end)| end.as_ref()));
-        let meet = { ends }.any(|end| of_triangle.contains_key(&end.triangle));
+        let meet = ends.any(|end| of_triangle.contains_key(&end.triangle));
         let traced = Self { list, of_triangle: Arc::new(of_triangle), meet };
         traced.relit(world, radiosity, LOBE_DIRECTIONS, depth)
     }

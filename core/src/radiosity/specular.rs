@@ -97,7 +97,7 @@ impl Lobes {
             return Self::default();
         }
         let areas = world.emitters.list.iter().filter_map(|emitter| match emitter {
-            Emitter::Area(area) => Some((emitter_of(geometry, area.triangles[0]), area.area())),
+            Emitter::Area(area) => Some((geometry.emitter_of(area.triangles[0]), area.area())),
             Emitter::Lamp { .. } => None,
         });
         let placements = geometry.world_from_object.clone();
@@ -166,7 +166,7 @@ impl Lobes {
                     Some(density) if density.is_finite() => {
                         let cosine = met.geometric_normal.dot(ray.direction).abs();
                         let area =
-                            self.areas.get(&emitter_of(geometry, next.triangle)).copied().unwrap_or(0.0);
+                            self.areas.get(&geometry.emitter_of(next.triangle)).copied().unwrap_or(0.0);
                         let light = next.t * next.t / (area * cosine);
                         if light.is_finite() { density / (density + light) } else { 1.0 }
                     }
@@ -211,11 +211,11 @@ impl Lobes {
         if let Emitter::Area(area) = emitter {
             let object = area.object as usize;
             moved = self.moved(geometry, area.object);
-            let own = emitter_of(geometry, area.triangles[0]);
+            let own = geometry.emitter_of(area.triangles[0]);
             let dimmer = if area.textured { geometry.dimmer[object] } else { 1.0 };
             for emission in &seen.emissions {
                 let stands = !moved && !self.moved(geometry, emission.by);
-                if stands && emitter_of(geometry, emission.triangle) == own {
+                if stands && geometry.emitter_of(emission.triangle) == own {
                     let material = geometry.material_of(emission.triangle);
                     add(emission.factor
                         * material.emission_at(emission.uv, &geometry.textures)
@@ -271,11 +271,6 @@ fn lobe(geometry: &Geometry, surface: &Surface) -> Option<Brdf> {
     let brdf = geometry.brdf(surface);
     brdf.specular?;
     Some(Brdf { diffuse: Vec3::ZERO, ..brdf })
-}
-
-/// Object and material of a triangle: what makes an area emitter.
-fn emitter_of(geometry: &Geometry, triangle: u32) -> (u32, u32) {
-    (geometry.object[triangle as usize], geometry.material[triangle as usize])
 }
 
 /// Place from which every `stride`-th is asked in an element's list: another in each.

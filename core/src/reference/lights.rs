@@ -82,10 +82,7 @@ impl LightSampler {
             .iter()
             .enumerate()
             .filter_map(|(place, choice)| match &world.emitters.list[choice.emitter] {
-                Emitter::Area(area) => {
-                    let material = world.geometry.material[area.triangles[0] as usize];
-                    Some(((area.object, material), place as u32))
-                }
+                Emitter::Area(area) => Some((world.geometry.emitter_of(area.triangles[0]), place as u32)),
                 Emitter::Lamp { .. } => None,
             })
             .collect();
@@ -168,8 +165,7 @@ impl LightSampler {
     /// Density per solid angle with which [`LightSampler::sample`] proposes the direction that hits
     /// an emissive `surface` at distance `t` along the unit vector `wi`; zero for a surface it never proposes.
     pub fn density(&self, world: &World, surface: &Surface, wi: Vec3, t: f32, selection: Selection) -> f32 {
-        let triangle = surface.triangle as usize;
-        let key = (world.geometry.object[triangle], world.geometry.material[triangle]);
+        let key = world.geometry.emitter_of(surface.triangle);
         let Ok(found) = self.areas.binary_search_by_key(&key, |a| a.0) else { return 0.0 };
         let choice = self.choices[self.areas[found].1 as usize];
         let Emitter::Area(area) = &world.emitters.list[choice.emitter] else { return 0.0 };

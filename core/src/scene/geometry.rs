@@ -166,6 +166,11 @@ impl Geometry {
         &self.materials[self.material[triangle as usize] as usize]
     }
 
+    /// Object and material of a triangle: what makes an area emitter.
+    pub fn emitter_of(&self, triangle: u32) -> (u32, u32) {
+        (self.object[triangle as usize], self.material[triangle as usize])
+    }
+
     /// The surface at barycentric weights of a triangle, as seen by a ray travelling along `direction`.
     pub fn surface(&self, triangle: u32, barycentric: Vec2, direction: Vec3) -> Surface {
         let t = triangle as usize;

@@ -58,13 +58,13 @@ pub fn straight_light(world: &World, surface: &Surface, wo: Vec3, samples: u32, 
 
 /// Density per solid angle with which places on an emitter propose the direction that meets it at a distance, m.
 fn density_of_places(world: &World, met: &Surface, wi: Vec3, distance: f32) -> f32 {
-    let of = |t: u32| (world.geometry.object[t as usize], world.geometry.material[t as usize]);
-    let areas = world.emitters.list.iter().filter_map(|emitter| match emitter {
+    let geometry = &world.geometry;
+    let emitter = geometry.emitter_of(met.triangle);
+    let mut areas = world.emitters.list.iter().filter_map(|emitter| match emitter {
         Emitter::Area(area) => Some(area),
         Emitter::Lamp { .. } => None,
     });
     let cosine = met.geometric_normal.dot(wi).abs();
-    let own =
-        areas.into_iter().find(|area| area.triangles.first().is_some_and(|&t| of(t) == of(met.triangle)));
+    let own = areas.find(|area| area.triangles.first().is_some_and(|&t| geometry.emitter_of(t) == emitter));
     own.filter(|_| cosine > 0.0).map_or(0.0, |area| distance * distance / (area.area() * cosine))
 }
