@@ -103,7 +103,7 @@ fn structures_have_the_same_layout_on_both_sides() {
         padding
     );
     same_layout!(GLOSSY, "MeasuredReflectors", glossy_gpu::MeasuredReflectors, list, count, padding);
-    same_layout!(GLOSSY, "KernelInfo", glossy_gpu::KernelInfo, level, radius, known, padding, weights);
+    same_layout!(GLOSSY, "KernelInfo", glossy_gpu::KernelInfo, level, radius, rest_radius, known, weights);
     same_layout!(
         MIRROR_FOLLOW,
         "MirroredViews",

@@ -7,7 +7,7 @@ use lumenscope_core::{
     glossy::{
         convolution::{Convention, Masked, Way},
         inspect_point::KernelPoint,
-        invariant::{Kernel, convolve},
+        invariant::{Kernel, SplitKernel, convolve},
         kernel::{GlossyPoint, Lens},
         lobes::LobeEntry,
         pyramid::{MOST_LEVELS, Pyramid},
@@ -139,7 +139,7 @@ fn timed<T>(work: impl Fn() -> T) -> (T, f64) {
     (first.0, least)
 }
 
-/// The level on which the same kernel is small, and the milliseconds of summing there, the halving included.
+/// The level that holds the peak of the same kernel split, and the milliseconds of summing there, the halving included.
 fn by_level(picture: &Masked, lens: &Lens, point: &GlossyPoint, nearness: f32, radius: u32) -> (usize, f64) {
     let [width, height] = picture.size;
     let count = picture.radiance.len();
@@ -153,7 +153,7 @@ fn by_level(picture: &Masked, lens: &Lens, point: &GlossyPoint, nearness: f32, r
         holes: 0,
     };
     let eye_distance = vec![1.0; count];
-    let kernel = Kernel::for_radius(lens, point, nearness, radius, MOST_LEVELS);
+    let kernel = SplitKernel::for_radius(lens, point, nearness, radius, MOST_LEVELS);
     let (_, milliseconds) = timed(|| convolve(&Pyramid::new(&image, &eye_distance, |_| true), 0, &kernel));
-    (kernel.level, milliseconds)
+    (kernel.peak.level, milliseconds)
 }

@@ -149,16 +149,16 @@ pub struct MeasuredReflectors {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct KernelInfo {
-    /// Level of the pyramid.
+    /// Level of the pyramid that its peak is summed on.
     pub level: u32,
-    /// Offsets go from −radius to radius.
+    /// Radius of the peak: offsets go from −radius to radius.
     pub radius: u32,
+    /// That of the rest on the next level; 0 where the peak is all.
+    pub rest_radius: u32,
     /// Whether there is a kernel.
     pub known: u32,
-    /// Nothing.
-    pub padding: u32,
-    /// Its weights, row-major.
-    pub weights: [f32; MOST_WEIGHTS],
+    /// Weights of the peak, row-major, and of the rest.
+    pub weights: [[f32; MOST_WEIGHTS]; 2],
 }
 
 /// Passes of the glossy layer.
@@ -295,7 +295,8 @@ impl GlossyPasses {
         }
         queue.write_buffer(&self.measured, 0, bytemuck::bytes_of(&measured));
         run(&self.measure, 0, [measured.count, 1]);
-        for (level, size) in levels.iter().enumerate() {
+        // What is on coarse levels is read on the next finer ones.
+        for (level, size) in levels.iter().enumerate().rev() {
             run(&self.convolve, level, blocks(size));
         }
         run(&self.scatter_invariant, 0, blocks(&levels[0]));

@@ -1,9 +1,9 @@
 //! One kernel for each reflector: spatially invariant convolution (Bastos 1999, §7.4.2.1).
 //!
 //! The kernel is that of the mean point of the reflector that is seen, with everything as far away as what it
-//! mirrors on the mean. It is a table of at most fifteen by fifteen weights: small kernels are summed over pixels,
-//! larger ones over a level of the [`Pyramid`] on which they are that small, and read between its texels. Mask and
-//! image are convolved alike and divided, so that the reflector's edge darkens nothing.
+//! mirrors on the mean. Small kernels are summed over pixels. Of larger ones the peak is summed over the finest level
+//! of the [`Pyramid`] on which the rest is at most nine texels wide on the next: lobes are peaked, and a tail needs no
+//! pixels. Mask and image are convolved alike and divided, so that the reflector's edge darkens nothing.
 //!
 //! Means, not the pixel of median distance: two pixels equally far may be far apart, and which of them is the
 //! middle one is then a matter of rounding.
@@ -14,13 +14,21 @@
 
 use super::{
     kernel::{GlossyPoint, Lens},
-    pyramid::Pyramid,
+    pyramid::{Level, Pyramid},
 };
 use crate::math::image::LinearImage;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 /// Largest radius of a table of weights, texels.
-pub const WIDEST: u32 = 7;
+pub const WIDEST: u32 = 4;
+
+/// Radius of the table of a peak, texels.
+pub const PEAK: u32 = 2;
+
+/// What a coarser level blurs is taken off its weights, to second order: k − σ²/2 ∇²k. A mean over a texel has a
+/// variance of 1/12 of its edge squared along an axis, reading between texels ∫ f (1 − f) df = 1/6 on the mean: σ² = 1/4.
+const SHARPENED: f32 = 0.125;
 
 /// Every so many pixels along and across one is measured for the mean point.
 pub const MEASURED: u32 = 4;
@@ -28,15 +36,24 @@ pub const MEASURED: u32 = 4;
 /// Largest radius of a kernel, as a share of the picture's longer side.
 pub const MOST_RADIUS: f32 = 0.5;
 
-/// A kernel over offsets of texels.
+/// Weights over offsets of texels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
     /// Level of the pyramid.
     pub level: usize,
     /// Offsets go from −radius to radius, texels of that level.
     pub radius: u32,
-    /// Weights, row-major; their sum is divided by.
+    /// Weights, row-major.
     pub weights: Vec<f32>,
+}
+
+/// The kernel of a reflector on as many texels as it needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplitKernel {
+    /// All of a small kernel, the peak of a larger one.
+    pub peak: Kernel,
+    /// The rest of a larger one, on the next coarser level.
+    pub rest: Option<Kernel>,
 }
 
 /// What pixels of one reflector show, summed up.
@@ -68,78 +85,58 @@ impl Measure {
 }
 
 impl Kernel {
-    /// The kernel of a point if everything were at 1/`nearness` along the unfolded rays; `support` is tan β of its
-    /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have [`Self::at_texel`] and [`Self::at_pixel`].
-    pub fn new(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32, levels: usize) -> Self {
-        Self::for_radius(lens, point, nearness, Self::wanted_radius(lens, point, nearness, support), levels)
-    }
-
-    /// The same for a radius in pixels, on the level where its table is small.
-    pub fn for_radius(lens: &Lens, point: &GlossyPoint, nearness: f32, wanted: u32, levels: usize) -> Self {
-        let fits = |level: &usize| wanted.div_ceil(1 << level) <= WIDEST;
-        let level = (0..levels).find(fits).unwrap_or(levels.saturating_sub(1));
-        Self::on_level(lens, point, nearness, level, wanted.div_ceil(1 << level).min(WIDEST))
-    }
-
     /// Radius that the kernel of a point has, pixels.
     pub fn wanted_radius(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32) -> u32 {
         let most = (MOST_RADIUS * lens.size.max_element()).max(1.0);
         point.radius_pixels(nearness, support, lens.pixel_angle()).ceil().clamp(1.0, most) as u32
     }
 
-    /// The same at a level of one's choice, 0 for the picture's pixels, with a radius in its texels.
+    /// The kernel of a point at a level of one's choice, 0 for the picture's pixels, with a radius in its texels.
     pub fn on_level(lens: &Lens, point: &GlossyPoint, nearness: f32, level: usize, radius: u32) -> Self {
-        let (edge, scale) = (2 * radius + 1, (1u32 << level) as f32);
-        let middle = lens.place(point.from_eye);
-        let weights = (0..edge * edge).map(|i| {
-            let offset = Vec2::new((i % edge) as f32, (i / edge) as f32) - radius as f32;
-            point.weight(lens.direction(middle + offset * scale), nearness, lens.pixel_angle() * scale)
-        });
-        Self { level, radius, weights: weights.collect() }
+        Self::of_part(lens, point, nearness, [level, radius as usize], |_| 1.0)
     }
 
-    /// Σ k c L / Σ k c over the texels of a reflector around one of its level, c their coverage.
-    pub fn at_texel(&self, pyramid: &Pyramid, reflector: u32, [x, y]: [i32; 2]) -> Vec3 {
+    /// The same times a share by distance in texels, sharpened where it is not summed over pixels.
+    fn of_part(
+        lens: &Lens,
+        point: &GlossyPoint,
+        nearness: f32,
+        [level, radius]: [usize; 2],
+        share: impl Fn(f32) -> f32,
+    ) -> Self {
+        let (edge, scale) = (2 * radius + 1, (1u32 << level) as f32);
+        let middle = lens.place(point.from_eye);
+        let at = |x: f32, y: f32| {
+            let offset = Vec2::new(x, y) - radius as f32;
+            let direction = lens.direction(middle + offset * scale);
+            share(offset.length()) * point.weight(direction, nearness, lens.pixel_angle() * scale)
+        };
+        let weights = (0..edge * edge).map(|i| {
+            let (x, y) = ((i % edge) as f32, (i / edge) as f32);
+            let own = at(x, y);
+            if level == 0 {
+                return own;
+            }
+            let around = at(x + 1.0, y) + at(x - 1.0, y) + at(x, y + 1.0) + at(x, y - 1.0);
+            (own - SHARPENED * (around - 4.0 * own)).max(0.0)
+        });
+        Self { level, radius: radius as u32, weights: weights.collect() }
+    }
+
+    /// Σ k c L and, last, Σ k c over the texels of a reflector around one of its level, c their coverage.
+    fn sum(&self, pyramid: &Pyramid, reflector: u32, [x, y]: [i32; 2]) -> Vec4 {
         let (level, r) = (&pyramid.levels[self.level], self.radius as i32);
-        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        let mut sum = Vec4::ZERO;
         for dy in -r..=r {
             for dx in -r..=r {
                 let texel = level.at(x + dx, y + dy);
                 if texel.reflector == reflector {
                     let place = (dy + r) * (2 * r + 1) + dx + r;
-                    let weight = self.weights[place as usize] * texel.coverage;
-                    sum += texel.radiance * weight;
-                    weights += weight;
+                    sum += texel.radiance.extend(1.0) * (self.weights[place as usize] * texel.coverage);
                 }
             }
         }
-        if weights > 0.0 && weights.is_finite() { sum / weights } else { level.at(x, y).radiance }
-    }
-
-    /// What was convolved at the texels around a pixel, between them; `own` where none is of its reflector.
-    /// `convolved` knows the texels of the kernel's level.
-    pub fn at_pixel(
-        &self,
-        pyramid: &Pyramid,
-        convolved: &[Vec3],
-        reflector: u32,
-        [x, y]: [i32; 2],
-        own: Vec3,
-    ) -> Vec3 {
-        let level = &pyramid.levels[self.level];
-        let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << self.level) as f32 - 0.5;
-        let (low, f) = (at.floor(), at - at.floor());
-        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let (tx, ty) = (low.x as i32 + dx, low.y as i32 + dy);
-            if level.at(tx, ty).reflector == reflector {
-                let weight =
-                    (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
-                sum += convolved[(ty as u32 * level.width + tx as u32) as usize] * weight;
-                weights += weight;
-            }
-        }
-        if weights > 0.0 { sum / weights } else { own }
+        sum
     }
 
     /// As an image, brightest 1.
@@ -151,18 +148,87 @@ impl Kernel {
     }
 }
 
-/// Convolves what a reflector mirrors, at the texels of the kernel's level; black where it is not seen.
-pub fn convolve(pyramid: &Pyramid, reflector: u32, kernel: &Kernel) -> Vec<Vec3> {
-    use rayon::prelude::*;
-    let level = &pyramid.levels[kernel.level];
-    (0..level.texels.len())
-        .into_par_iter()
-        .map(|i| match level.texels[i].reflector == reflector {
-            true => {
-                let [x, y] = [i as u32 % level.width, i as u32 / level.width].map(|v| v as i32);
-                kernel.at_texel(pyramid, reflector, [x, y])
-            }
-            false => Vec3::ZERO,
-        })
-        .collect()
+/// Share of the kernel that its peak takes, by the distance in texels.
+fn peak_share(distance: f32) -> f32 {
+    (1.0 - (distance / (PEAK + 1) as f32).powi(2)).max(0.0).powi(2)
+}
+
+impl SplitKernel {
+    /// The kernel of a point if everything were at 1/`nearness` along the unfolded rays; `support` is tan β of its
+    /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have [`Self::at_texel`] and [`Self::at_pixel`].
+    pub fn new(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32, levels: usize) -> Self {
+        Self::for_radius(lens, point, nearness, Kernel::wanted_radius(lens, point, nearness, support), levels)
+    }
+
+    /// The same for a radius in pixels.
+    pub fn for_radius(lens: &Lens, point: &GlossyPoint, nearness: f32, wanted: u32, levels: usize) -> Self {
+        let fits = |level: &usize| wanted.div_ceil(1 << level) <= WIDEST;
+        let level = (0..levels).find(fits).unwrap_or(levels.saturating_sub(1));
+        let radius = wanted.div_ceil(1 << level).min(WIDEST) as usize;
+        let part = |level, radius, share: &dyn Fn(f32) -> f32| {
+            Kernel::of_part(lens, point, nearness, [level, radius], share)
+        };
+        let Some(fine) = level.checked_sub(1) else {
+            return Self { peak: part(0, radius, &|_| 1.0), rest: None };
+        };
+        // A texel of the rest has the area of four of the peak.
+        let rest = part(level, radius, &|distance| 4.0 * (1.0 - peak_share(2.0 * distance)));
+        Self { peak: part(fine, PEAK as usize, &peak_share), rest: Some(rest) }
+    }
+
+    /// Σ k c L / Σ k c at a texel of the peak's level; `rest` knows the sums of the rest at the texels of its level.
+    fn at_texel(&self, pyramid: &Pyramid, rest: &[Vec4], reflector: u32, [x, y]: [i32; 2]) -> Vec3 {
+        let mut sum = self.peak.sum(pyramid, reflector, [x, y]);
+        if let Some(kernel) = &self.rest {
+            sum += between(&pyramid.levels[kernel.level], rest, reflector, [x, y], 1).unwrap_or(Vec4::ZERO);
+        }
+        let own = pyramid.levels[self.peak.level].at(x, y).radiance;
+        if sum.w > 0.0 && sum.w.is_finite() { sum.truncate() / sum.w } else { own }
+    }
+
+    /// What was convolved at the texels around a pixel, between them; `own` where none is of its reflector.
+    /// `convolved` knows the texels of the peak's level.
+    pub fn at_pixel(
+        &self,
+        pyramid: &Pyramid,
+        convolved: &[Vec4],
+        reflector: u32,
+        pixel: [i32; 2],
+        own: Vec3,
+    ) -> Vec3 {
+        let level = self.peak.level;
+        between(&pyramid.levels[level], convolved, reflector, pixel, level).map_or(own, Vec4::truncate)
+    }
+}
+
+/// Values of a level between those of its texels that show a reflector, around the middle of one of a level finer by
+/// some steps.
+fn between(level: &Level, values: &[Vec4], reflector: u32, [x, y]: [i32; 2], steps: usize) -> Option<Vec4> {
+    let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << steps) as f32 - 0.5;
+    let (low, f) = (at.floor(), at - at.floor());
+    let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let (tx, ty) = (low.x as i32 + dx, low.y as i32 + dy);
+        if level.at(tx, ty).reflector == reflector {
+            let weight = (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
+            sum += values[(ty as u32 * level.width + tx as u32) as usize] * weight;
+            weights += weight;
+        }
+    }
+    (weights > 0.0).then(|| sum / weights)
+}
+
+/// Convolves what a reflector mirrors, at the texels of the peak's level; black where it is not seen.
+pub fn convolve(pyramid: &Pyramid, reflector: u32, kernel: &SplitKernel) -> Vec<Vec4> {
+    let at_own = |number: usize, found: &(dyn Fn([i32; 2]) -> Vec4 + Sync)| -> Vec<Vec4> {
+        let level = &pyramid.levels[number];
+        let place = |i: usize| [i as u32 % level.width, i as u32 / level.width].map(|v| v as i32);
+        let texels = level.texels.par_iter().enumerate();
+        texels.map(|(i, t)| if t.reflector == reflector { found(place(i)) } else { Vec4::ZERO }).collect()
+    };
+    let rest = kernel
+        .rest
+        .as_ref()
+        .map_or_else(Vec::new, |rest| at_own(rest.level, &|place| rest.sum(pyramid, reflector, place)));
+    at_own(kernel.peak.level, &|place| kernel.at_texel(pyramid, &rest, reflector, place).extend(1.0))
 }

@@ -3,7 +3,7 @@
 use super::{
     GlossyMethod,
     convolution::{Convention, Masked, Way},
-    invariant::{Kernel, MEASURED, Measure, convolve},
+    invariant::{Kernel, MEASURED, Measure, SplitKernel, convolve},
     kernel::{GlossyPoint, Lens},
     lobes::LobeTable,
     pyramid::{Pyramid, level_size},
@@ -18,7 +18,7 @@ use crate::{
     scene::{camera::Camera, world::World},
     superposition::{gbuffer::GBuffer, pass::PassSettings},
 };
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -222,7 +222,7 @@ impl<'a> GlossyFrame<'a> {
 
     fn invariant(&self) -> Vec<Vec3> {
         let pyramid = self.pyramid();
-        let mut convolved: BTreeMap<u32, (Kernel, Vec<Vec3>)> = BTreeMap::new();
+        let mut convolved: BTreeMap<u32, (SplitKernel, Vec<Vec4>)> = BTreeMap::new();
         for reflector in self.seen() {
             if let Some(kernel) = self.kernel_of(reflector, pyramid.levels.len()) {
                 let texels = convolve(&pyramid, reflector, &kernel);
@@ -271,9 +271,9 @@ impl<'a> GlossyFrame<'a> {
     }
 
     /// The one kernel of a reflector: that of the mean of its points that are seen.
-    fn kernel_of(&self, reflector: u32, levels: usize) -> Option<Kernel> {
+    fn kernel_of(&self, reflector: u32, levels: usize) -> Option<SplitKernel> {
         let (point, nearness, support) = self.mean_point(reflector)?;
-        Some(Kernel::new(&self.lens, &point, nearness, support, levels))
+        Some(SplitKernel::new(&self.lens, &point, nearness, support, levels))
     }
 
     /// The mean of the points of a glossy reflector that are seen, the nearness of what it mirrors and tan β of its
