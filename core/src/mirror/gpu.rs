@@ -9,8 +9,9 @@ use super::{
     MirrorSettings,
     culling::Portal,
     images::gpu::{ImagePasses, Shared},
+    pass::views_of,
     view_table::{ViewInfo, ViewTable},
-    views::{Eye, MirroredView, NEAR, Rectangle, mirrored_views},
+    views::{Eye, MirroredView, NEAR, Rectangle},
     work::{List, RUN, Work},
 };
 use crate::glossy::{
@@ -158,11 +159,10 @@ impl MirrorPasses {
         clock: &mut Option<StageClock>,
     ) {
         let Some(solution) = scene.solution() else { return };
-        let geometry = &solution.world.geometry;
         let [width, height] = targets.size;
         let eye = Eye::new(&settings.camera, width as f32 / height as f32);
         let plan = MirrorSettings::of(&solution.scene.plan);
-        let views = mirrored_views(geometry, scene.reflectors(), eye, plan.depth);
+        let views = views_of(solution, scene.reflectors(), eye);
         self.views_drawn = views.len();
         let runs = plan.images.and_then(|_| {
             let images = self.images.get_or_insert_with(|| ImagePasses::new(device));

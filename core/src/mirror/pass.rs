@@ -9,8 +9,8 @@ use super::{
         reproject,
         visible::Sight,
     },
-    reflectors::{NO_REFLECTOR, Reflectors},
-    views::{Eye, MirroredView, mirrored_views},
+    reflectors::{NO_REFLECTOR, Reflector, Reflectors},
+    views::{Eye, MirroredView, mirrored_views_of},
 };
 use crate::{
     math::random::hash2,
@@ -24,6 +24,7 @@ use crate::{
         gbuffer::GBuffer,
         pass::{PassSettings, Shading},
     },
+    transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
@@ -62,8 +63,7 @@ pub fn mirror_image(
 ) -> Option<MirrorImage> {
     let world = &shading.solution.world;
     let eye = Eye::new(camera, buffer.width as f32 / buffer.height as f32);
-    let depth = MirrorSettings::of(&shading.solution.scene.plan).depth;
-    let views = mirrored_views(&world.geometry, reflectors, eye, depth);
+    let views = views_of(shading.solution, reflectors, eye);
     if views.is_empty() {
         return None;
     }
@@ -106,6 +106,19 @@ pub fn mirror_image(
         views: views.len(),
         holes: pixels.iter().zip(&first).filter(|(p, view)| **view != 0 && p.0 == NO_REFLECTOR).count(),
     })
+}
+
+/// The mirrored views that a frame of a solution needs: what is glossy has none where particles make it.
+pub(super) fn views_of(
+    solution: &LightTransportSolution,
+    reflectors: &Reflectors,
+    eye: Eye,
+) -> Vec<MirroredView> {
+    let geometry = &solution.world.geometry;
+    let by_particles = solution.particle_light().is_some();
+    let is_mirror = |r: &Reflector| geometry.materials[r.material as usize].alpha() == Some(0.0);
+    let depth = MirrorSettings::of(&solution.scene.plan).depth;
+    mirrored_views_of(geometry, reflectors, eye, depth, |r| !by_particles || is_mirror(r))
 }
 
 /// What images-with-depth show in each view of depth 1.

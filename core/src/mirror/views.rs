@@ -111,6 +111,17 @@ pub fn mirrored_views(
     eye: Eye,
     depth: u32,
 ) -> Vec<MirroredView> {
+    mirrored_views_of(geometry, reflectors, eye, depth, |_| true)
+}
+
+/// The same of those reflectors in the picture that are wanted.
+pub fn mirrored_views_of(
+    geometry: &Geometry,
+    reflectors: &Reflectors,
+    eye: Eye,
+    depth: u32,
+    is_wanted: impl Fn(&Reflector) -> bool,
+) -> Vec<MirroredView> {
     let near = NEAR * reflectors.scene_size;
     let mut views: Vec<MirroredView> = Vec::new();
     let mut level = 0..1u32;
@@ -119,6 +130,9 @@ pub fn mirrored_views(
         for parent in level {
             let seen_from = parent.checked_sub(1).map(|i| views[i as usize]);
             found.extend(seen_in(geometry, reflectors, eye, seen_from, parent, depth, near));
+        }
+        if depth == 1 {
+            found.retain(|view| is_wanted(&reflectors.list[view.reflector as usize]));
         }
         // The largest first; equal ones stay in order.
         found.sort_by(|a, b| b.rectangle.area().total_cmp(&a.rectangle.area()));
