@@ -12,6 +12,10 @@ use std::f32::consts::TAU;
 const RINGS: u32 = 10;
 const SPOKES: u32 = 40;
 
+/// Weight over the peak below which the footprint is not filled: where 95 % of the lobe end is an outline, so that
+/// what lies beneath is seen.
+const FAINT: f32 = 0.05;
+
 /// What a kernel asks of the light that it convolves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelNumbers {
@@ -51,8 +55,8 @@ pub struct KernelView {
     pub point: KernelPoint,
     /// Its numbers.
     pub numbers: KernelNumbers,
-    /// In the scene its footprint, coloured by weight over that of the peak, its lobe as a solid and the mirrored
-    /// ray; beside it the kernel as an image, the lobe in the plane of incidence and the spectrum as curves.
+    /// In the scene its footprint, coloured by weight over that of the peak and outlined where 95 % of the lobe end,
+    /// its lobe as a solid and the mirrored ray; beside it the kernel as an image, the lobe in the plane of incidence and the spectrum as curves.
     pub scene: InspectionScene,
 }
 
@@ -72,6 +76,7 @@ impl KernelView {
         let origin = offset_origin(point.position, point.geometric_normal);
         let meets = |wi: Vec3| world.accel.trace(&Ray::new(origin, wi)).filter(|_| point.takes(wi));
         let mut scene = InspectionScene::default();
+        let white = Vec3::splat(0.9);
         let mut footprint = ColouredMesh::default();
         let mut solid = ColouredMesh::default();
         let mut hits = Vec::new();
@@ -87,6 +92,12 @@ impl KernelView {
             solid.positions.push(point.position + wi * (0.08 * far * weight));
             solid.values.push(Vec3::splat(weight));
         }
+        // Not across the edge of something that stands in front.
+        let is_one = |corners: &[u32]| {
+            let distances = corners.iter().map(|&i| hits[i as usize].unwrap_or(f32::INFINITY));
+            let (near, most) = distances.fold((f32::MAX, 0.0f32), |(l, h), t| (l.min(t), h.max(t)));
+            most < 1.5 * near + 0.02 * far
+        };
         for ring in 0..RINGS {
             for spoke in 0..SPOKES {
                 let next = (spoke + 1) % SPOKES;
@@ -94,17 +105,18 @@ impl KernelView {
                     .map(|(r, s)| r * SPOKES + s);
                 let quad = [[a, c, b], [b, c, d]];
                 solid.triangles.extend(quad);
-                let distances = [a, b, c, d].map(|i| hits[i as usize]);
-                let known: Vec<f32> = distances.into_iter().flatten().collect();
-                let (near, most) = known.iter().fold((f32::MAX, 0.0f32), |(l, h), t| (l.min(*t), h.max(*t)));
-                // Not across the edge of something that stands in front.
-                if known.len() == 4 && most < 1.5 * near + 0.02 * far {
+                let weight = |i: u32| footprint.values[i as usize].x;
+                if [a, b, c, d].into_iter().map(weight).fold(0.0, f32::max) >= FAINT && is_one(&[a, b, c, d])
+                {
                     footprint.triangles.extend(quad);
+                }
+                if ring + 1 == RINGS && is_one(&[c, d]) {
+                    let ends = [c, d].map(|i| footprint.positions[i as usize]);
+                    scene.lines.push(Line { ends, colour: white });
                 }
             }
         }
         let reach = meets(axes.z_axis).map_or(far, |h| h.t);
-        let white = Vec3::splat(0.9);
         scene.lines.push(Line { ends: [eye.lerp(point.position, 0.2), point.position], colour: white });
         if point.takes(axes.z_axis) {
             scene.lines.push(Line { ends: [point.position, origin + axes.z_axis * reach], colour: white });
