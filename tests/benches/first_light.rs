@@ -78,7 +78,7 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
         });
     });
     group.bench_function("radiosity", |b| b.iter(|| solve(&plan.solve.radiosity)));
-    group.bench_function("volume, 578 bins (goal 2 s)", |b| {
+    group.bench_function("volume, 578 bins (goal 1 s)", |b| {
         b.iter(|| IrradianceVolume::build(world, &radiosity, &thesis, &silent))
     });
     group.throughput(Throughput::Elements(BATCH));

@@ -123,7 +123,7 @@ fn sealed(body: &[u8]) -> Vec<u8> {
         word[..chunk.len()].copy_from_slice(chunk);
         (hash ^ u64::from_le_bytes(word)).wrapping_mul(0x0000_0100_0000_01B3).rotate_left(29)
     });
-    [b"LUMVOL02", &sum.to_le_bytes()[..], body].concat()
+    [b"LUMVOL03", &sum.to_le_bytes()[..], body].concat()
 }
 
 #[test]

@@ -6,6 +6,7 @@ use lumenscope_core::{
         Basis,
         codec::{Texel, encode_rgb},
         harmonics::{Coefficients, Projection},
+        moments::Order,
     },
     math::spherical_harmonics::{BAND, CLAMPED_COSINE, basis},
 };
@@ -140,4 +141,25 @@ fn each_basis_is_as_close_as_it_should_be() {
     shown.sort_by(f32::total_cmp);
     let shown = shown[shown.len() / 2];
     assert!((0.5..2.0).contains(&(shown / median)), "{shown} {median}");
+}
+
+#[test]
+fn both_parts_at_once_are_each_alone() {
+    let (scene, light) = furnished();
+    let settings = VolumeSettings { guard: true, moments: vec![Order::Finite(10)], ..small([5, 4, 5]) };
+    let volume = build(&scene, &light, &settings);
+    for i in 0..500 {
+        let mut rng = Rng::new(6, i);
+        let p = Vec3::new(rng.next_f32() * 3.0, rng.next_f32() * 2.5, rng.next_f32() * 4.0);
+        let n = uniform_direction(rng.next_vec2());
+        let parts = [Part::Direct, Part::Indirect];
+        for basis in Basis::ALL {
+            let volume = volume.with_basis(basis);
+            assert_eq!(volume.irradiance_parts(p, n), parts.map(|part| volume.irradiance(p, n, part)));
+        }
+        let order = Order::Finite(10);
+        let alone = parts.map(|part| volume.moment(p, n, order, part).unwrap());
+        assert_eq!(volume.moment_parts(p, n, order), Some(alone));
+    }
+    assert!(volume.moment_parts(Vec3::ONE, Vec3::Y, Order::Finite(3)).is_none());
 }

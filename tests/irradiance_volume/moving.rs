@@ -218,11 +218,11 @@ fn the_coarse_level_asks_less_and_stays_near() {
     assert_eq!(known.within(usize::MAX), Detail::Fine);
     let light = |detail| {
         let volume = solution.volume.as_ref().unwrap();
-        known.irradiance(volume, &world.geometry, ball as usize, Part::Indirect, 1.0, detail)
+        known.irradiance(volume, &world.geometry, ball as usize, [false, true], 1.0, detail)
     };
     let (a, b) = (light(Detail::Coarse), light(Detail::Vertices));
     let mut off: Vec<f32> =
-        a.iter().zip(&b).map(|(a, b)| (luminance(*a) / luminance(*b) - 1.0).abs()).collect();
+        a.iter().zip(&b).map(|(a, b)| (luminance(a[1]) / luminance(b[1]) - 1.0).abs()).collect();
     off.sort_by(f32::total_cmp);
     let (median, worst) = (off[off.len() / 2], off[off.len() - 1]);
     println!("coarse: {coarse} of {vertices} queries, median {median:.4} off, worst {worst:.4}");
@@ -245,7 +245,7 @@ fn self_occlusion_brings_a_moved_bowl_nearer_to_the_reference() {
     known.occlude(world, object as usize, 1);
     let known = &known;
     let light =
-        known.irradiance(volume, &world.geometry, object as usize, Part::Indirect, 1.0, Detail::Vertices);
+        known.irradiance(volume, &world.geometry, object as usize, [false, true], 1.0, Detail::Vertices);
     let points = positions_in(world, known, object);
     let chosen: Vec<usize> = (30..known.vertices).step_by(7).collect();
     let reference: Vec<f32> = chosen
@@ -259,8 +259,8 @@ fn self_occlusion_brings_a_moved_bowl_nearer_to_the_reference() {
     let error = |of: &dyn Fn(usize) -> f32| {
         chosen.iter().zip(&reference).map(|(&i, r)| (of(i) - r) / r).sum::<f32>() / chosen.len() as f32
     };
-    let with = error(&|i| luminance(light[i]));
-    let without = error(&|i| luminance(light[i]) / known.open[i][0]);
+    let with = error(&|i| luminance(light[i][1]));
+    let without = error(&|i| luminance(light[i][1]) / known.open[i][0]);
     println!("mean error against the reference: {:+.3} with self-occlusion, {:+.3} without", with, without);
     assert!(with.abs() < 0.5 * without.abs(), "{with} with, {without} without");
 }

@@ -14,6 +14,7 @@ fn every_setting_of_the_volume_can_be_fixed_by_the_scene() {
         volume_samples: Some([4, 5, 6]),
         volume_second_level: Some(4),
         volume_target_samples: Some(900),
+        volume_pocket_samples: Some(50),
         volume_refine_tolerance: Some(0.1),
         volume_refine_geometry: Some(true),
         volume_bins_n: Some(9),
@@ -35,6 +36,7 @@ fn every_setting_of_the_volume_can_be_fixed_by_the_scene() {
     let made = VolumeSettings::overridden(&scene, 7);
     let usual = VolumeSettings::default();
     assert_eq!((made.samples, made.second_level, made.target_samples), (Some([4, 5, 6]), 4, 900));
+    assert_eq!(made.pocket_samples, 50);
     assert_eq!((made.refine_tolerance, made.refine_geometry, made.bins_n), (Some(0.1), true, 9));
     assert_eq!((made.supersample, made.informed_rays, made.seed), (2, 64, 7));
     assert_eq!((made.specular_cutoff, made.back_face_limit, made.guard), (0.1, 0.5, false));
@@ -68,6 +70,7 @@ fn an_error_is_as_measured_only_at_the_settings_it_was_measured_at() {
         PlanOverrides { volume_guard: Some(false), ..PlanOverrides::default() },
         PlanOverrides { volume_informed_rays: Some(0), ..PlanOverrides::default() },
         PlanOverrides { volume_target_samples: Some(100), ..PlanOverrides::default() },
+        PlanOverrides { volume_pocket_samples: Some(0), ..PlanOverrides::default() },
     ] {
         assert_eq!(error(plan.clone()), ExpectedError::Unknown, "{plan:?}");
     }

@@ -1,13 +1,14 @@
 //! Two copies of one thing, each lit from a volume of its own.
 
 use crate::window::Window;
+use egui_kittest::kittest::Queryable;
 use lumenscope::{
     command::Command,
     copies::{Copies, CopyVolume},
     pipeline::VolumeSource,
     session::View,
 };
-use lumenscope_core::{math::part::Part, scene::Target};
+use lumenscope_core::{irradiance_volume::moments::Order, math::part::Part, scene::Target};
 
 #[test]
 fn two_copies_are_lit_by_two_volumes_at_once() {
@@ -27,6 +28,17 @@ fn two_copies_are_lit_by_two_volumes_at_once() {
     assert!(window.app().session().is_lit_as_edited(), "copies need no new light");
     window.wait_other_picture(&before);
     window.keep("copies");
+
+    // What a copy cannot be shown with is said once for each.
+    let mut view = window.view();
+    view.gloss = Some(Order::Finite(10));
+    window.run(Command::View(Box::new(view.clone())));
+    for side in ["left", "right"] {
+        let said = format!("The {side} copy's volume holds no moment of order 10: it is drawn matt.");
+        window.harness.get_by_label(&said);
+    }
+    view.gloss = None;
+    window.run(Command::View(Box::new(view)));
 
     // The right one from the volume that was kept; the light goes on following the lamp with them in it.
     let mut view = window.view();

@@ -174,13 +174,8 @@ impl Options {
 /// Illuminance at the nodes of a guest, from its own volume, lx.
 fn node_light(solution: &LightTransportSolution, guest: usize) -> Vec<f32> {
     let guest = &solution.guests[guest];
-    let of = |part| {
-        let geometry = &solution.world.geometry;
-        guest.known.irradiance(&guest.volume, geometry, guest.object as usize, part, 1.0, Detail::Fine)
-    };
-    let parts = match guest.part {
-        Part::All => vec![of(Part::Direct), of(Part::Indirect)],
-        part => vec![of(part)],
-    };
-    (0..guest.known.places.len()).map(|i| parts.iter().map(|p| luminance(p[i])).sum()).collect()
+    let (geometry, object) = (&solution.world.geometry, guest.object as usize);
+    let wanted = [Part::Direct, Part::Indirect].map(|part| guest.part.holds(part));
+    let light = guest.known.irradiance(&guest.volume, geometry, object, wanted, 1.0, Detail::Fine);
+    light.into_iter().map(|[direct, indirect]| luminance(direct) + luminance(indirect)).collect()
 }

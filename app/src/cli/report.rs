@@ -1,7 +1,9 @@
 //! Counts and figures of a solution as JSON.
 
 use lumenscope_core::{
-    irradiance_volume::{IrradianceVolume, harmonics::Coefficients, trust::SampleState},
+    irradiance_volume::{
+        IrradianceVolume, harmonics::Coefficients, pockets::POCKET_LEVEL, trust::SampleState,
+    },
     math::part::Part,
     radiosity::RadiositySolution,
 };
@@ -24,6 +26,7 @@ pub fn volume(volume: &IrradianceVolume) -> Value {
     json!({
         "samples": samples.len(),
         "first_level_samples": samples.iter().filter(|s| s.level == 1).count(),
+        "pocket_samples": samples.iter().filter(|s| s.level == POCKET_LEVEL).count(),
         "valid_samples": samples.iter().filter(|s| s.valid).count(),
         "bins": volume.bins().len(),
         "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),

@@ -21,6 +21,9 @@ pub struct VolumeOptions {
     /// Samples over both levels that the grid stays within.
     #[arg(long)]
     target_samples: Option<u32>,
+    /// Samples beside those for places that the samples of their cell stand for badly.
+    #[arg(long)]
+    pocket_samples: Option<u32>,
     /// Radiance rays a bin.
     #[arg(long)]
     supersample: Option<u32>,
@@ -78,6 +81,7 @@ impl VolumeOptions {
         let take = |into: &mut u32, from: Option<u32>| *into = from.unwrap_or(*into);
         take(&mut settings.bins_n, self.bins_n);
         take(&mut settings.target_samples, self.target_samples);
+        take(&mut settings.pocket_samples, self.pocket_samples);
         take(&mut settings.supersample, self.supersample);
         take(&mut settings.informed_rays, self.informed_rays);
         take(&mut settings.second_level, self.second_level);

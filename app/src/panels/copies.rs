@@ -7,7 +7,7 @@ use crate::{
     session::Session,
 };
 use egui::{ComboBox, DragValue, Grid, Ui};
-use lumenscope_core::{math::part::Part, scene::Target};
+use lumenscope_core::{irradiance_volume::moments::Order, math::part::Part, scene::Target};
 
 /// Shows what is copied and what lights each copy.
 pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
                     });
                 }
             });
+            let gloss = view.gloss;
             let Some(copies) = &mut view.copies else { return };
             Grid::new("copies").num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
                 for (name, light) in ["Left", "Right"].into_iter().zip(&mut copies.lights) {
@@ -41,6 +42,13 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
                     ui.end_row();
                 }
             });
+            for (name, light) in ["left", "right"].into_iter().zip(&copies.lights) {
+                if let Some(order) = gloss.filter(|order| !holds(session, light.volume, *order)) {
+                    ui.weak(format!(
+                        "The {name} copy's volume holds no moment of order {order}: it is drawn matt."
+                    ));
+                }
+            }
             ui.horizontal(|ui| {
                 ui.label("At").on_hover_text("The place midway between the copies, m");
                 for (axis, value) in ["x", "y", "z"].iter().zip(copies.at.as_mut()) {
@@ -50,6 +58,16 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             });
         });
     });
+}
+
+/// Whether a volume holds an order; where there is no volume yet nothing is missed.
+fn holds(session: &Session, volume: CopyVolume, order: Order) -> bool {
+    let kept = match volume {
+        CopyVolume::Kept(n) => session.kept.get(n).map(|k| &*k.volume),
+        CopyVolume::Present => None,
+    };
+    let present = || session.solution.as_ref().and_then(|s| s.volume.as_deref());
+    kept.or_else(present).is_none_or(|v| v.orders().contains(&order))
 }
 
 fn lit_by(ui: &mut Ui, side: &str, session: &Session, light: &mut CopyLight) {

@@ -161,6 +161,14 @@ fn volume(ui: &mut Ui, over: &mut PlanOverrides, session: &Session) {
     );
     count(
         ui,
+        "Pockets",
+        "Samples at most for places in shelves and under desks that the samples around stand for badly",
+        &mut over.volume_pocket_samples,
+        usual.pocket_samples,
+        0..=4096,
+    );
+    count(
+        ui,
         "Rays a bin",
         "Radiance rays through random points of each bin; 1 goes through its middle",
         &mut over.volume_supersample,

@@ -178,6 +178,10 @@ fn transform(
     ended
 }
 
+/// What is said of what glass passes.
+const PASSES: &str =
+    "Share t that passes of the light that is not reflected, in red, green and blue: L = t (1 − F) L′";
+
 fn materials(ui: &mut Ui, scene: &Scene, object: usize) {
     let mut seen = Vec::new();
     for part in &scene.objects[object].parts {
@@ -192,8 +196,14 @@ fn materials(ui: &mut Ui, scene: &Scene, object: usize) {
         ui.horizontal_wrapped(|ui| {
             swatch(ui, r);
             ui.label(&material.name);
-            ui.weak(format!("ρ {:.2} {:.2} {:.2}{textured}, {sides}", r.x, r.y, r.z))
-                .on_hover_text("Diffuse reflectance ρ in red, green and blue: L = ρ E / π");
+            let rgb = |v: Vec3| format!("{:.2} {:.2} {:.2}", v.x, v.y, v.z);
+            if material.is_glass() {
+                let passes = rgb(r * material.passes());
+                ui.weak(format!("glass, passes {passes}{textured}, {sides}")).on_hover_text(PASSES);
+            } else {
+                let reflectance = "Diffuse reflectance ρ in red, green and blue: L = ρ E / π";
+                ui.weak(format!("ρ {}{textured}, {sides}", rgb(r))).on_hover_text(reflectance);
+            }
         });
         if material.emission != Vec3::ZERO {
             let e = material.emission;

@@ -21,7 +21,7 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use wide::f32x8;
 
 /// What the rays of some points met.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Met {
     /// Element of every ray: sample by sample, bin by bin.
     elements: Vec<u32>,
@@ -36,7 +36,7 @@ pub(super) struct Met {
 }
 
 /// What a volume keeps to be lit again.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Transport {
     /// What the rays of every sample met.
     pub met: Met,
@@ -45,7 +45,7 @@ pub(super) struct Transport {
 }
 
 /// From radiance in the bins to irradiance in the bins.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Solver {
     quadrature: Quadrature,
     centres: Centres,
@@ -86,6 +86,19 @@ impl Met {
         met
     }
 
+    /// Adds points after these.
+    pub fn append(&mut self, other: Self) {
+        self.elements.extend(other.elements);
+        self.extras.extend(other.extras);
+        self.emitters_seen.extend(other.emitters_seen);
+        self.owners.resize(self.owners.len().max(other.owners.len()), NO_ELEMENT);
+        for (owner, triangle) in self.owners.iter_mut().zip(other.owners) {
+            if *owner == NO_ELEMENT {
+                *owner = triangle;
+            }
+        }
+    }
+
     /// Light as this cache sees it, without what is ignored.
     pub fn seen<'a>(&self, world: &'a World, radiosity: &[Vec3], ignored: &'a Ignored) -> SeenLight<'a> {
         let black = |element: usize| {
@@ -106,25 +119,7 @@ impl Met {
     /// Radiance that comes to a sample from each bin after at least one bounce, cd/m² per channel.
     pub fn reflected(&self, sample: usize, light: &SeenLight, out: &mut [Vec3]) {
         let seen = &self.elements[sample * out.len() * self.rays..][..out.len() * self.rays];
-        let share = 1.0 / self.rays as f32;
-        if self.rays == 1 {
-            for (out, &e) in out.iter_mut().zip(seen) {
-                *out = light.radiance.get(e as usize).map_or(Vec3::ZERO, |l| *l);
-            }
-        } else {
-            for (out, seen) in out.iter_mut().zip(seen.chunks_exact(self.rays)) {
-                *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + light.element(e)) * share;
-            }
-        }
-        for extra in &self.extras[sample] {
-            let radiance = match extra.source {
-                Source::Element(e) => light.element(e),
-                Source::Emission(triangle, uv) => light.emitted(triangle, uv),
-            };
-            out[extra.bin as usize] += extra.factor * radiance;
-        }
-        // A bright surface that an aimed ray takes over leaves a bin nothing, but for rounding.
-        out.iter_mut().for_each(|l| *l = l.max(Vec3::ZERO));
+        light.reflected(seen, &self.extras[sample], out);
     }
 
     /// Adds the radiance of emitters that a sample's rays met, cd/m² per channel.
@@ -209,6 +204,31 @@ impl SeenLight<'_> {
         let emitters = self.world.emitters.list.iter().zip(arrivals);
         let heard = emitters.filter(|(e, _)| !self.ignored.holds_emitter(&self.world.geometry, e));
         heard.map(|(_, a)| &**a).collect()
+    }
+
+    /// Radiance from each bin after at least one bounce, cd/m² per channel, of what rays met: `seen` by all bins in
+    /// turn, alike many each, and `extras`.
+    pub fn reflected(&self, seen: &[u32], extras: &[Extra], out: &mut [Vec3]) {
+        let rays = seen.len() / out.len();
+        let share = 1.0 / rays as f32;
+        if rays == 1 {
+            for (out, &e) in out.iter_mut().zip(seen) {
+                *out = self.radiance.get(e as usize).map_or(Vec3::ZERO, |l| *l);
+            }
+        } else {
+            for (out, seen) in out.iter_mut().zip(seen.chunks_exact(rays)) {
+                *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + self.element(e)) * share;
+            }
+        }
+        for extra in extras {
+            let radiance = match extra.source {
+                Source::Element(e) => self.element(e),
+                Source::Emission(triangle, uv) => self.emitted(triangle, uv),
+            };
+            out[extra.bin as usize] += extra.factor * radiance;
+        }
+        // A bright surface that an aimed ray takes over leaves a bin nothing, but for rounding.
+        out.iter_mut().for_each(|l| *l = l.max(Vec3::ZERO));
     }
 
     fn element(&self, element: u32) -> Vec3 {

@@ -57,6 +57,13 @@ impl Arrivals {
         Self { offsets, entries }
     }
 
+    /// Adds samples after these.
+    pub(super) fn append(&mut self, other: &Self) {
+        let first = self.entries.len() as u32;
+        self.offsets.extend(other.offsets[1..].iter().map(|offset| first + offset));
+        self.entries.extend(&other.entries);
+    }
+
     /// Entries of one sample.
     pub fn of(&self, sample: usize) -> &[Arrival] {
         &self.entries[self.offsets[sample] as usize..self.offsets[sample + 1] as usize]

@@ -223,27 +223,29 @@ impl DynamicObject {
             .unwrap_or(Detail::Coarse)
     }
 
-    /// Irradiance of every node on its front (`side` 1) or back (−1), lx per channel; the indirect part
-    /// is weakened by what the object hides from itself.
+    /// Direct and indirect irradiance of every node on its front (`side` 1) or back (−1), lx per channel; the
+    /// indirect part is weakened by what the object hides from itself. Black the parts that are not `wanted`.
     pub fn irradiance(
         &self,
         volume: &IrradianceVolume,
         geometry: &Geometry,
         object: usize,
-        part: Part,
+        wanted: [bool; 2],
         side: f32,
         detail: Detail,
-    ) -> Vec<Vec3> {
-        let ask = |position, normal| volume.irradiance(position, normal, part);
-        let mut light = self.asked(geometry, object, side, detail, ask);
-        if part == Part::Indirect {
-            let back = usize::from(side < 0.0);
-            light.iter_mut().zip(&self.open).for_each(|(e, open)| *e *= open[back]);
-        }
+    ) -> Vec<[Vec3; 2]> {
+        let mut light = self.asked(geometry, object, side, detail, |position, normal| match wanted {
+            [true, true] => volume.irradiance_parts(position, normal),
+            [true, false] => [volume.irradiance(position, normal, Part::Direct), Vec3::ZERO],
+            [false, true] => [Vec3::ZERO, volume.irradiance(position, normal, Part::Indirect)],
+            [false, false] => [Vec3::ZERO; 2],
+        });
+        let back = usize::from(side < 0.0);
+        light.iter_mut().zip(&self.open).for_each(|(e, open)| e[1] *= open[back]);
         light
     }
 
-    /// Moment of every node towards where it shines, lx per channel, as [`Self::irradiance`]; black where the
+    /// Moments of every node towards where it shines, lx per channel, as [`Self::irradiance`]; black where the
     /// volume does not hold the order. What the object hides from itself is not left out.
     #[expect(clippy::too_many_arguments, reason = "as irradiance, and how it shines")]
     pub fn moments(
@@ -251,14 +253,15 @@ impl DynamicObject {
         volume: &IrradianceVolume,
         geometry: &Geometry,
         object: usize,
-        part: Part,
+        wanted: [bool; 2],
         side: f32,
         detail: Detail,
         gloss: &Gloss,
-    ) -> Vec<Vec3> {
+    ) -> Vec<[Vec3; 2]> {
         self.asked(geometry, object, side, detail, |position, normal| {
             let towards = gloss.towards(position, normal);
-            volume.moment(position, towards, gloss.order, part).unwrap_or_default()
+            let [direct, indirect] = volume.moment_parts(position, towards, gloss.order).unwrap_or_default();
+            [if wanted[0] { direct } else { Vec3::ZERO }, if wanted[1] { indirect } else { Vec3::ZERO }]
         })
     }
 
@@ -269,28 +272,31 @@ impl DynamicObject {
         object: usize,
         side: f32,
         detail: Detail,
-        query: impl Fn(Vec3, Vec3) -> Vec3 + Sync,
-    ) -> Vec<Vec3> {
+        query: impl Fn(Vec3, Vec3) -> [Vec3; 2] + Sync,
+    ) -> Vec<[Vec3; 2]> {
+        // Of direct and indirect light alike.
+        fn mixed<const N: usize>(light: [([Vec3; 2], f32); N]) -> [Vec3; 2] {
+            [0, 1].map(|part| light.iter().fold(Vec3::ZERO, |sum, (of, weight)| sum + of[part] * *weight))
+        }
         let first = geometry.object_triangles[object].start;
         let ask = |node: usize| {
             let (position, normal) = self.place(geometry, first, node);
             query(position, normal * side)
         };
-        let all = |nodes: usize| -> Vec<Vec3> { (0..nodes).into_par_iter().map(ask).collect() };
+        let all = |nodes: usize| -> Vec<[Vec3; 2]> { (0..nodes).into_par_iter().map(ask).collect() };
         let mut light = match detail {
             Detail::Fine | Detail::Pixels => all(self.places.len()),
             Detail::Vertices => all(self.vertices),
             Detail::Coarse => {
-                let asked: Vec<Vec3> = self.asked.par_iter().map(|&v| ask(v as usize)).collect();
-                let blend = |b: &[(u32, f32); 4]| {
-                    b.iter().fold(Vec3::ZERO, |sum, &(entry, weight)| sum + asked[entry as usize] * weight)
-                };
+                let asked: Vec<[Vec3; 2]> = self.asked.par_iter().map(|&v| ask(v as usize)).collect();
+                let blend =
+                    |b: &[(u32, f32); 4]| mixed(b.map(|(entry, weight)| (asked[entry as usize], weight)));
                 self.blends.par_iter().map(blend).collect()
             }
         };
         for &(triangle, Vec2 { x: u, y: v }) in &self.places[light.len()..] {
             let [a, b, c] = std::array::from_fn(|i| light[self.corner(triangle, i) as usize]);
-            light.push(a * (1.0 - u - v) + b * u + c * v);
+            light.push(mixed([(a, 1.0 - u - v), (b, u), (c, v)]));
         }
         light
     }

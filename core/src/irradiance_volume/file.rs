@@ -14,7 +14,7 @@ use crate::math::sphere_map::DirectionBins;
 use glam::{UVec3, Vec3};
 use std::{path::Path, sync::Arc};
 
-const MAGIC: &[u8; 8] = b"LUMVOL02";
+const MAGIC: &[u8; 8] = b"LUMVOL03";
 
 impl IrradianceVolume {
     /// Writes the volume.
@@ -33,6 +33,8 @@ impl IrradianceVolume {
         }
         self.grid.size().to_array().iter().for_each(|n| body.extend(n.to_le_bytes()));
         body.extend(self.grid.second().iter().map(|&s| u8::from(s != NONE)));
+        body.extend((self.grid.pockets().len() as u32).to_le_bytes());
+        self.grid.pockets().for_each(|eighth| body.extend(eighth.to_le_bytes()));
         for sample in self.samples() {
             body.extend(sample.back_face_fraction.to_le_bytes());
             body.push(sample.state as u8);
@@ -104,6 +106,15 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     let flags: Vec<bool> = flags.collect();
     let mut grid = BilevelGrid::new(low, high, size + UVec3::ONE, settings.second_level, &flags);
     enough(grid.places().len(), rest)?;
+    let pockets = u32::from_le_bytes(array(&mut rest)?) as usize;
+    enough(grid.places().len() + pockets, rest)?;
+    let pockets = take(&mut rest, 4 * pockets)?.chunks_exact(4);
+    let pockets: Vec<u32> = pockets.map(|e| u32::from_le_bytes([e[0], e[1], e[2], e[3]])).collect();
+    let in_order = pockets.windows(2).all(|pair| pair[0] < pair[1]);
+    if !in_order || pockets.last().is_some_and(|&eighth| eighth as usize / 8 >= grid.cells().len()) {
+        return Err("pockets out of order or beyond the grid".into());
+    }
+    grid.add_pockets(&pockets);
     let mut samples = Vec::with_capacity(grid.places().len());
     for place in grid.places() {
         let back_face_fraction = f32_of(&mut rest)?;

@@ -9,7 +9,7 @@
 //! geometry. The price is the thesis's: where a refined cell meets a plain one the interpolated value
 //! jumps, because the refined side has samples on the shared face that the plain side does not use.
 
-use super::{directions::clamped, overlap::triangle_meets_box};
+use super::{directions::clamped, overlap::triangle_meets_box, pockets::POCKET_LEVEL};
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -73,7 +73,7 @@ impl<const N: usize> Locations<N> {
 pub struct SamplePlace {
     /// Position, m.
     pub position: Vec3,
-    /// 1 when it is a corner of the first-level grid, else 2.
+    /// 1 when it is a corner of the first-level grid, 3 in the middle of an eighth of a cell, else 2.
     pub level: u8,
 }
 
@@ -93,6 +93,8 @@ pub struct BilevelGrid {
     /// First-level cells (x fastest), then those of each second-level grid.
     cells: Vec<Cell>,
     places: Vec<SamplePlace>,
+    /// Eighths of cells with a sample of their own (8 × cell + corner) and its number, in order.
+    pockets: Vec<(u32, u32)>,
 }
 
 impl BilevelGrid {
@@ -129,7 +131,7 @@ impl BilevelGrid {
             }
         }
         let scale = size.as_vec3() / (high - low);
-        Self { low, high, size, inner, scale, second, cells, places: lattice.places }
+        Self { low, high, size, inner, scale, second, cells, places: lattice.places, pockets: Vec::new() }
     }
 
     /// Corners of the box it spans, m.
@@ -165,6 +167,59 @@ impl BilevelGrid {
     /// Where the samples are.
     pub fn places(&self) -> &[SamplePlace] {
         &self.places
+    }
+
+    /// Cells that lookups end in: all but those of the first level that are refined.
+    pub(super) fn ends(&self) -> impl Iterator<Item = u32> + '_ {
+        let refined = |&cell: &u32| self.second.get(cell as usize).is_some_and(|s| *s != NONE);
+        (0..self.cells.len() as u32).filter(move |cell| !refined(cell))
+    }
+
+    /// Middle of an eighth of a cell, 8 × cell + corner, m.
+    pub(super) fn middle_of_eighth(&self, eighth: u32) -> Vec3 {
+        let [low, high] = self.box_of(eighth / 8);
+        let corner = Vec3::from_array([1, 2, 4].map(|bit| if eighth & bit == 0 { 0.25 } else { 0.75 }));
+        low + corner * (high - low)
+    }
+
+    /// Puts samples into the middles of eighths of cells that have none, given in order.
+    ///
+    /// # Panics
+    /// If there are some already, or if they are not in order.
+    pub(super) fn add_pockets(&mut self, eighths: &[u32]) {
+        assert!(self.pockets.is_empty() && eighths.is_sorted(), "added once and in order");
+        for &eighth in eighths {
+            self.pockets.push((eighth, self.places.len() as u32));
+            let position = self.middle_of_eighth(eighth);
+            self.places.push(SamplePlace { position, level: POCKET_LEVEL });
+        }
+    }
+
+    /// Eighths of cells with a sample of their own, 8 × cell + corner, in order.
+    pub(super) fn pockets(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
+        self.pockets.iter().map(|p| p.0)
+    }
+
+    /// The sample of its own of the eighth of a cell that holds a point.
+    pub fn pocket(&self, cell: u32, point: Vec3) -> Option<u32> {
+        if self.pockets.is_empty() {
+            return None;
+        }
+        let [low, high] = self.box_of(cell);
+        let eighth = 8 * cell + point.cmpgt(0.5 * (low + high)).bitmask();
+        self.pockets.binary_search_by_key(&eighth, |p| p.0).ok().map(|i| self.pockets[i].1)
+    }
+
+    /// Samples of their own of all eighths of a cell.
+    pub(super) fn pockets_of(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.pockets.partition_point(|p| p.0 < 8 * cell);
+        self.pockets[first..].iter().take_while(move |p| p.0 < 8 * cell + 8).map(|p| p.1)
+    }
+
+    /// Corners of a cell's box, m.
+    fn box_of(&self, cell: u32) -> [Vec3; 2] {
+        let corners = self.cells[cell as usize].samples;
+        [0, 7].map(|i| self.places[corners[i] as usize].position)
     }
 
     /// Number of second-level grids.
@@ -216,7 +271,10 @@ impl BilevelGrid {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.second[..]) + size_of_val(&self.cells[..]) + size_of_val(&self.places[..])
+        size_of_val(&self.second[..])
+            + size_of_val(&self.cells[..])
+            + size_of_val(&self.places[..])
+            + size_of_val(&self.pockets[..])
     }
 }
 

@@ -10,9 +10,12 @@ use super::{
     sight::{Look, Sight},
     trust::SampleState,
 };
-use crate::scene::{
-    accel::{Accel, Blockers, Ray},
-    world::World,
+use crate::{
+    math::sphere_map::DirectionBins,
+    scene::{
+        accel::{Accel, Blockers, Ray},
+        world::World,
+    },
 };
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
@@ -119,6 +122,29 @@ impl Guard {
         // From the sample: the ray stops just short of the point, which may lie on a surface.
         let ray = Ray::between(sample, point);
         ray.is_degenerate() || !self.standing.occluded_past(&ray, blockers)
+    }
+}
+
+/// Rows of bins a hemisphere in whose directions two places are compared.
+const COMPARED_N: u32 = 4;
+
+/// Share of the directions in which two places must see the same for one to speak for the other.
+const ALIKE: f32 = 0.75;
+
+impl Guard {
+    /// Whether two places see the same, mostly: in a direction they do where what they see lies no more than twice
+    /// as far apart as they do.
+    pub(super) fn alike(&self, a: Vec3, b: Vec3) -> bool {
+        let bins = DirectionBins::new(COMPARED_N);
+        let shift = b - a;
+        let apart = |bin: usize| {
+            let direction = bins.centre(bin);
+            let [a, b] = [a, b].map(|p| self.standing.trace(&Ray::new(p, direction)).map(|hit| hit.t));
+            let (Some(a), Some(b)) = (a, b) else { return a.is_some() != b.is_some() };
+            (shift + direction * (b - a)).length_squared() > 4.0 * shift.length_squared()
+        };
+        let apart = (0..bins.len()).filter(|&bin| apart(bin)).count();
+        apart as f32 <= (1.0 - ALIKE) * bins.len() as f32
     }
 }
 

@@ -3,7 +3,7 @@
 //! A sample's irradiance is projected onto bands 0 to 2 by least squares over its bins, which for what
 //! those bands can hold is exact: E_lm = Â_l L_lm (Ramamoorthi and Hanrahan 2001). A query blends the
 //! coefficients of eight samples and evaluates nine polynomials once. A sample is two cache lines (128
-//! bytes, 283 kB for 2,215 of them) where 578 bins are 4.6 kB, so queries stay in the second-level cache.
+//! bytes, a third of a megabyte for an office) where 578 bins are 4.6 kB, so queries stay in the second-level cache.
 //!
 //! Single-precision numbers and not half-precision ones: the two lines of a sample are read whole anyway,
 //! and unpacking 27 halves costs more than the lines they would save.

@@ -75,7 +75,7 @@ pub struct VolumeView {
     pub part: Part,
     /// Samples of the first-level grid.
     pub first_level: bool,
-    /// Samples of the second-level grids alone.
+    /// Samples of the second-level grids alone, and those in pockets.
     pub second_level: bool,
     /// Samples inside solids too.
     pub invalid: bool,
@@ -294,12 +294,13 @@ pub fn grid_lines(volume: &IrradianceVolume, view: &VolumeView) -> InspectionSce
         names: &["first", "second"],
     });
     scene.notes.push(format!(
-        "first level {} × {} × {} samples, {} second-level grids of {}³, {} samples together",
+        "first level {} × {} × {} samples, {} second-level grids of {}³, {} samples in pockets, {} samples together",
         size.x + 1,
         size.y + 1,
         size.z + 1,
         grid.second_level_grids(),
         inner + 1,
+        grid.pockets().len(),
         grid.places().len()
     ));
     scene

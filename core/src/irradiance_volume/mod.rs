@@ -13,7 +13,8 @@
 //!   reading the nearest one costs up to 10 % on the flank of a lamp's cosine.
 //! - Samples inside solids are found by the back faces they see, and are left out, filled or moved, by
 //!   choice ([`trust`]).
-//! - Queries can be told to use only samples that see the point ([`visibility`]).
+//! - Queries can be told to use only samples that see the point ([`visibility`]), and then have samples of a
+//!   third level where the corners of a cell mislead ([`pockets`]).
 //! - Several orders of moments (Eq. 4.8) live in one volume ([`moments`]).
 //! - Rays remember which surface element they met, so that new light needs no rays ([`solve`]).
 //!
@@ -48,6 +49,7 @@ pub mod moments;
 pub mod overlap;
 pub mod panorama;
 pub mod placement;
+pub mod pockets;
 pub mod probe;
 pub mod quadrature;
 pub mod query;
@@ -111,7 +113,7 @@ pub struct IrradianceVolume {
 pub struct Sample {
     /// Position, m; not the grid's where the sample was relocated.
     pub position: Vec3,
-    /// 1 when it is a corner of the first-level grid, else 2.
+    /// 1 when it is a corner of the first-level grid, 3 in a pocket ([`pockets`]), else 2.
     pub level: u8,
     /// Share of its rays that met the back of a single-sided surface.
     pub back_face_fraction: f32,

@@ -155,9 +155,10 @@ impl IrradianceVolume {
         let reflected = at.par_iter().map(|s| blended(nodes, &seen, s.position, bins)).collect();
         let radiance = Radiance { reflected, emitted: Vec::new() };
         progress.report(1.0)?;
-        // Without a scene there is nothing to guard queries by, and nothing to move samples out of.
+        // Without a scene there is nothing to guard queries by, nothing to move samples out of, and no pockets.
         let (samples, repair) = (Some(samples.into()), Repair::Mask);
-        let settings = VolumeSettings { samples, repair, guard: false, ..settings.clone() };
+        let settings =
+            VolumeSettings { samples, repair, guard: false, pocket_samples: 0, ..settings.clone() };
         Ok(Self::given(settings, Arc::new(grid), Arc::new(at), Vec::new(), &radiance))
     }
 }

@@ -60,11 +60,14 @@ impl IrradianceVolume {
     /// to the nearest one inside, and fades to the nearest sample from a quarter of a cell to a cell and
     /// a quarter beyond.
     pub fn irradiance(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        match self.settings.basis {
-            Basis::Bins => self.irradiance_bins(position, normal, part),
-            Basis::NearestBin => self.irradiance_nearest_bin(position, normal, part),
-            Basis::Harmonics => self.irradiance_harmonics(position, normal, part),
-        }
+        let [e] = self.at_corners(&self.corners(position), normal, [part], self.settings.basis);
+        e
+    }
+
+    /// Direct and indirect light at once: [`Self::irradiance`] of each, with the samples found once.
+    pub fn irradiance_parts(&self, position: Vec3, normal: Vec3) -> [Vec3; 2] {
+        let parts = [Part::Direct, Part::Indirect];
+        self.at_corners(&self.corners(position), normal, parts, self.settings.basis)
     }
 
     /// As [`Self::irradiance`], bilinear between the four bins around the normal.
@@ -113,7 +116,12 @@ impl IrradianceVolume {
         let cell = &self.grid.cells()[at.cell as usize];
         let trilinear = trilinear(at.offset);
         let corners = Corners { ids: cell.samples, weights: usable(trilinear, cell.valid) };
-        let careful = self.careful(position, corners, at.cell, cell.valid);
+        let mut careful = self.careful(position, corners, at.cell, cell.valid);
+        if careful.state == PointState::Borrowed
+            && self.grid.pocket(at.cell, position) == Some(careful.corners.ids[0])
+        {
+            careful.state = PointState::Inside;
+        }
         SampleWeights {
             ids: careful.corners.ids,
             weights: careful.corners.weights,
@@ -147,12 +155,29 @@ impl IrradianceVolume {
 
     /// Irradiance at one sample alone, by a basis.
     pub(super) fn at_sample(&self, sample: u32, normal: Vec3, part: Part, basis: Basis) -> Vec3 {
-        let corners = Corners::alone(sample);
-        let tables = self.tables_of(part);
+        let [e] = self.at_corners(&Corners::alone(sample), normal, [part], basis);
+        e
+    }
+
+    /// Parts of the irradiance from weighted samples, by a basis.
+    #[inline(always)]
+    fn at_corners<const N: usize>(
+        &self,
+        corners: &Corners,
+        normal: Vec3,
+        parts: [Part; N],
+        basis: Basis,
+    ) -> [Vec3; N] {
         match basis {
-            Basis::Bins => self.between_bins(tables, &corners, &self.directions.interpolated(normal)),
-            Basis::NearestBin => self.of_bin(tables, &corners, self.directions.nearest(normal)),
-            Basis::Harmonics => self.of_harmonics(&corners, normal, part),
+            Basis::Bins => {
+                let bins = self.directions.interpolated(normal);
+                parts.map(|part| self.between_bins(self.tables_of(part), corners, &bins))
+            }
+            Basis::NearestBin => {
+                let bin = self.directions.nearest(normal);
+                parts.map(|part| self.of_bin(self.tables_of(part), corners, bin))
+            }
+            Basis::Harmonics => parts.map(|part| self.of_harmonics(corners, normal, part)),
         }
     }
 
@@ -197,6 +222,17 @@ impl IrradianceVolume {
         let table = self.tables.moments.iter().find(|m| m.order == order)?;
         let tables = of_part([&table.direct, &table.indirect], part);
         Some(self.between_bins(tables, &self.corners(position), &self.directions.interpolated(direction)))
+    }
+
+    /// Direct and indirect light at once: [`Self::moment`] of each, with the samples found once.
+    pub fn moment_parts(&self, position: Vec3, direction: Vec3, order: Order) -> Option<[Vec3; 2]> {
+        if order == Order::IRRADIANCE {
+            return Some(self.irradiance_parts(position, direction));
+        }
+        let table = self.tables.moments.iter().find(|m| m.order == order)?;
+        let (corners, bins) = (self.corners(position), self.directions.interpolated(direction));
+        let of = |part| self.between_bins(of_part([&table.direct, &table.indirect], part), &corners, &bins);
+        Some([Part::Direct, Part::Indirect].map(of))
     }
 
     /// Moment of every bin of one sample, lx per channel; `None` where the volume does not hold the order.
@@ -273,7 +309,7 @@ fn of_part<'a>([direct, indirect]: [&'a [Texel]; 2], part: Part) -> Summed<'a> {
 }
 
 /// Weights without the samples that are not valid, summing to 1 again; all of them where none is.
-fn usable(weights: [f32; 8], valid: u8) -> [f32; 8] {
+pub(super) fn usable(weights: [f32; 8], valid: u8) -> [f32; 8] {
     let kept: [f32; 8] = std::array::from_fn(|i| if valid >> i & 1 == 1 { weights[i] } else { 0.0 });
     let sum: f32 = kept.iter().sum();
     if sum > 0.0 {

@@ -24,6 +24,9 @@ pub struct VolumeSettings {
     /// Samples over both levels that the automatic choice stays within. Greger's office has 2,287 (§5.1.1);
     /// some more let ours keep its error in the dark corners, see `tests/irradiance_volume/accuracy.rs`.
     pub target_samples: u32,
+    /// Samples at most, beside those, for places that the samples of their cell stand for badly, up to 100,000; see
+    /// [`super::pockets`].
+    pub pocket_samples: u32,
     /// Second-level samples an axis in a cell with geometry, 2 to 9; the thesis uses 3.
     pub second_level: u32,
     /// Divides the cells in which interpolation errs by more than this share, worst first and within
@@ -63,6 +66,7 @@ impl Default for VolumeSettings {
         Self {
             samples: None,
             target_samples: 2_600,
+            pocket_samples: 200,
             second_level: 3,
             refine_tolerance: None,
             refine_geometry: false,
@@ -158,6 +162,7 @@ impl VolumeSettings {
         Self {
             samples: over.volume_samples,
             target_samples: over.volume_target_samples.unwrap_or(usual.target_samples),
+            pocket_samples: over.volume_pocket_samples.unwrap_or(usual.pocket_samples),
             second_level: over.volume_second_level.unwrap_or(usual.second_level),
             refine_tolerance: over.volume_refine_tolerance,
             refine_geometry: over.volume_refine_geometry.unwrap_or(usual.refine_geometry),
@@ -192,6 +197,7 @@ impl VolumeSettings {
             within("samples an axis", axis, 2, 200, "2 to 200")?;
         }
         within("target_samples", self.target_samples, 8, 1_000_000, "8 to 1,000,000")?;
+        within("pocket_samples", self.pocket_samples, 0, 100_000, "0 to 100,000")?;
         within("second_level", self.second_level, 2, 9, "2 to 9")?;
         if let Some(tolerance) = self.refine_tolerance
             && !(0.0..=10.0).contains(&tolerance)

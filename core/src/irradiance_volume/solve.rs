@@ -57,7 +57,7 @@ impl IrradianceVolume {
             Some(tolerance) => adaptive::grid(world, light, settings, tolerance, progress)?,
             None => settings.grid(world)?,
         };
-        settings.check_samples(grid.places().len() as u64)?;
+        settings.check_samples(grid.places().len() as u64 + u64::from(settings.pocket_samples))?;
         let bins = DirectionBins::new(settings.bins_n);
         let targets = if settings.informed_rays > 0 { Targets::new(light) } else { Targets::default() };
         let done = AtomicUsize::new(0);
@@ -122,9 +122,8 @@ impl IrradianceVolume {
         let transport = Arc::new(Transport { met, solver: Solver::new(bins) });
         let seen = transport.met.seen(world, light.radiosity(), &settings.ignored);
         let tables = transport.tables(&seen, &arrivals, &fills, None);
-        progress.report(1.0)?;
         let ages = Arc::new(vec![0; samples.len()]);
-        let volume = Self {
+        let mut volume = Self {
             settings: settings.clone(),
             grid: Arc::new(grid),
             samples: Arc::new(samples),
@@ -137,6 +136,8 @@ impl IrradianceVolume {
             ages,
             tables,
         };
+        volume.add_pockets(world, light, &targets, progress)?;
+        progress.report(1.0)?;
         Ok(volume.with_moments(&settings.moments, world, light).with_guard(settings.guard.then_some(world)))
     }
 

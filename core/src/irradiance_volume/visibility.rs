@@ -3,6 +3,7 @@
 //! Trilinear weights know nothing of walls: a point in a dark room is lit by the samples beyond a thin one.
 //! With [`super::VolumeSettings::guard`] a query asks, for each of its eight samples, whether the segment
 //! to the point is free of standing geometry, and shares the weight of the hidden ones among the others.
+//! In a pocket the sample that it has of its own answers alone ([`pockets`](super::pockets)).
 //! Where all eight are hidden, the nearest sample around that sees the point answers alone; where none
 //! does, the point is dark and its state says so, because light from behind a wall would be wrong
 //! without a sign.
@@ -16,9 +17,9 @@
 
 use super::{
     IrradianceVolume, VolumeSettings,
-    grid::NONE,
+    grid::{Cell, NONE, trilinear},
     guard::{Guard, MARGIN},
-    query::Corners,
+    query::{Corners, usable},
     sight::Look,
 };
 use crate::scene::{accel::Blockers, world::World};
@@ -121,10 +122,30 @@ impl IrradianceVolume {
         Careful { corners, seen, state }
     }
 
-    /// What rays tell of a point: the samples of its cell that see it, or else one around that does.
+    /// Samples and weights of a point of a cell that holds geometry, asked by rays and not remembered.
+    pub(super) fn corners_by_rays(&self, point: Vec3) -> Corners {
+        let at = self.grid.locate(point);
+        let Cell { samples, valid } = self.grid.cells()[at.cell as usize];
+        let weights = usable(trilinear(at.offset), valid);
+        let Some(guard) = &self.guard else { return Corners { ids: samples, weights } };
+        match self.seen_from(guard, point, at.cell, valid) {
+            Look::Samples(bits) => Corners { ids: samples, weights: shared(weights, bits, valid) },
+            Look::Lender(sample) => Corners::alone(sample),
+            Look::Nothing | Look::Ask => Corners { ids: samples, weights: [0.0; 8] },
+        }
+    }
+
+    /// What rays tell of a point: the sample of its pocket, or those of its cell that see it, or else one around.
     #[cold]
     fn seen_from(&self, guard: &Guard, point: Vec3, cell: u32, usable: u8) -> Look {
         let mut blockers = Blockers::default();
+        if let Some(own) = self.grid.pocket(cell, point)
+            && self.samples[own as usize].valid
+            && guard.sees(self.samples[own as usize].position, point, &mut blockers)
+            && guard.alike(self.samples[own as usize].position, point)
+        {
+            return Look::Lender(own);
+        }
         let ids = self.grid.cells()[cell as usize].samples;
         let seen = (0..8).fold(0u8, |bits, i| {
             let sample = self.samples[ids[i] as usize].position;
@@ -166,7 +187,10 @@ impl IrradianceVolume {
         let grid = &self.grid;
         let (from, to) = (at.saturating_sub(UVec3::ONE), (at + 1).min(grid.size() - 1));
         let mut found: Vec<u32> = Vec::new();
-        let mut add = |cell: u32| found.extend(grid.cells()[cell as usize].samples);
+        let mut add = |cell: u32| {
+            found.extend(grid.cells()[cell as usize].samples);
+            found.extend(grid.pockets_of(cell));
+        };
         for z in from.z..=to.z {
             for y in from.y..=to.y {
                 for x in from.x..=to.x {

@@ -160,6 +160,8 @@ pub struct PlanOverrides {
     pub volume_bins_n: Option<u32>,
     /// Samples of the volume over both levels that the grid stays within.
     pub volume_target_samples: Option<u32>,
+    /// Samples of the volume beside those, for places that the others stand for badly.
+    pub volume_pocket_samples: Option<u32>,
     /// Divides cells of the volume in which interpolation errs by more than this share, instead of those
     /// with geometry.
     pub volume_refine_tolerance: Option<f32>,

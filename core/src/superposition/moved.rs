@@ -78,29 +78,25 @@ impl MovedLight {
         let geometry = &solution.world.geometry;
         let triangles = geometry.object_triangles[object].clone();
         let two_sided = triangles.clone().any(|t| geometry.material_of(t).double_sided);
-        let mut ask = |part: Part, side: f32, wanted: bool| -> Vec<Vec3> {
-            match volume {
-                Some(volume) if wanted => {
-                    let detail = solution.detail;
-                    self.queries += known.queries(detail);
-                    // A volume of its own that a guest is lit by may hold other orders: it is matt then.
-                    match solution.gloss.as_ref().filter(|g| volume.orders().contains(&g.order)) {
-                        Some(gloss) => known.moments(volume, geometry, object, part, side, detail, gloss),
-                        None => known.irradiance(volume, geometry, object, part, side, detail),
-                    }
-                }
-                _ => vec![Vec3::ZERO; known.places.len()],
-            }
-        };
         let sides = [(1.0, true), (-1.0, two_sided)].map(|(side, lit)| {
-            [ask(Part::Direct, side, lit && direct), ask(Part::Indirect, side, lit && indirect)]
+            let wanted = [lit && direct, lit && indirect];
+            let Some(volume) = volume.filter(|_| wanted != [false; 2]) else {
+                return vec![[Vec3::ZERO; 2]; known.places.len()];
+            };
+            let detail = solution.detail;
+            self.queries += known.queries(detail) * wanted.into_iter().filter(|w| *w).count();
+            // A volume of its own that a guest is lit by may hold other orders: it is matt then.
+            match solution.gloss.as_ref().filter(|g| volume.orders().contains(&g.order)) {
+                Some(gloss) => known.moments(volume, geometry, object, wanted, side, detail, gloss),
+                None => known.irradiance(volume, geometry, object, wanted, side, detail),
+            }
         });
         for (triangle, &(first, steps)) in triangles.zip(&known.lattices) {
             let back_lit = geometry.material_of(triangle).double_sided;
             self.lattices.push((self.entries.len() as u32, steps));
             let nodes = &known.nodes[first as usize..][..lattice_len(steps) as usize];
             self.entries.extend(nodes.iter().map(|&node| {
-                let of = |side: usize| [sides[side][0][node as usize], sides[side][1][node as usize]];
+                let of = |side: usize| sides[side][node as usize];
                 [of(0), if back_lit { of(1) } else { [Vec3::ZERO; 2] }]
             }));
         }

@@ -315,10 +315,12 @@ impl Needs<'_> {
         let bins = 2 * settings.bins_n * settings.bins_n;
         let (samples, spacing) = (grid.places().len(), grid.cell_size().max_element());
         let words = format!(
-            "{samples} samples of {bins} bins, at most {} apart, {} in the {} cells near surfaces and lamps",
+            "{samples} samples of {bins} bins, at most {} apart, {} in the {} cells near surfaces and lamps, and {} more at \
+             most in pockets",
             metres(spacing),
             metres(spacing / grid.inner() as f32),
             grid.second_level_grids(),
+            settings.pocket_samples,
         );
         // Moments lie beside the irradiance and change nothing of it.
         let VolumeSettings { seed, moments, .. } = settings.clone();
@@ -333,7 +335,8 @@ impl Needs<'_> {
         PlanLine {
             expected_error,
             error_basis: error_basis.into(),
-            expected_seconds: samples as f64 * f64::from(bins) / RAYS_PER_SECOND,
+            expected_seconds: (samples + settings.pocket_samples as usize) as f64 * f64::from(bins)
+                / RAYS_PER_SECOND,
             ..line(words)
         }
     }

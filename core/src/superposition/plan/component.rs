@@ -68,6 +68,7 @@ impl Component {
                 volume_samples: None,
                 volume_second_level: None,
                 volume_target_samples: None,
+                volume_pocket_samples: None,
                 volume_refine_tolerance: None,
                 volume_refine_geometry: None,
                 volume_supersample: None,
