@@ -200,12 +200,7 @@ fn other_settings_solve_what_they_change_and_end_where_a_fresh_solve_would() {
         live.with_settings(scene.clone(), settings, &Progress::silent(), &mut |_| {})
             .expect("it can be solved")
     };
-    let volume = VolumeSettings {
-        samples: Some([3, 3, 3]),
-        bins_n: 4,
-        pocket_samples: 0,
-        ..VolumeSettings::default()
-    };
+    let volume = VolumeSettings { samples: Some([3, 3, 3]), bins_n: 4, ..VolumeSettings::default() };
     let finer = with(SolveSettings { volume: Some(volume.clone()), ..settings() });
     assert!(Arc::ptr_eq(&finer.current().radiosity, &before.radiosity), "light on surfaces stays");
     let built = finer.current().volume.as_ref().expect("there is a volume");

@@ -127,9 +127,9 @@ fn small(samples: [u32; 3]) -> VolumeSettings {
     VolumeSettings { samples: Some(samples), ..plain_settings() }
 }
 
-/// Samples in solids left out, nothing guarded and no pockets: plain trilinear interpolation.
+/// Samples in solids left out and nothing guarded: plain trilinear interpolation.
 fn plain_settings() -> VolumeSettings {
-    VolumeSettings { repair: Repair::Mask, guard: false, pocket_samples: 0, ..VolumeSettings::default() }
+    VolumeSettings { repair: Repair::Mask, guard: false, ..VolumeSettings::default() }
 }
 
 fn build(scene: &Scene, light: &PerTriangle, settings: &VolumeSettings) -> IrradianceVolume {

@@ -70,7 +70,7 @@ fn an_error_is_as_measured_only_at_the_settings_it_was_measured_at() {
         PlanOverrides { volume_guard: Some(false), ..PlanOverrides::default() },
         PlanOverrides { volume_informed_rays: Some(0), ..PlanOverrides::default() },
         PlanOverrides { volume_target_samples: Some(100), ..PlanOverrides::default() },
-        PlanOverrides { volume_pocket_samples: Some(0), ..PlanOverrides::default() },
+        PlanOverrides { volume_pocket_samples: Some(200), ..PlanOverrides::default() },
     ] {
         assert_eq!(error(plan.clone()), ExpectedError::Unknown, "{plan:?}");
     }

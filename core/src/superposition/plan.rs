@@ -314,13 +314,15 @@ impl Needs<'_> {
         };
         let bins = 2 * settings.bins_n * settings.bins_n;
         let (samples, spacing) = (grid.places().len(), grid.cell_size().max_element());
+        let in_pockets = match settings.pocket_samples {
+            0 => String::new(),
+            most => format!(", and up to {most} more in pockets"),
+        };
         let words = format!(
-            "{samples} samples of {bins} bins, at most {} apart, {} in the {} cells near surfaces and lamps, and {} more at \
-             most in pockets",
+            "{samples} samples of {bins} bins, at most {} apart, {} in the {} cells near surfaces and lamps{in_pockets}",
             metres(spacing),
             metres(spacing / grid.inner() as f32),
             grid.second_level_grids(),
-            settings.pocket_samples,
         );
         // Moments lie beside the irradiance and change nothing of it.
         let VolumeSettings { seed, moments, .. } = settings.clone();
