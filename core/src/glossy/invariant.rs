@@ -155,7 +155,7 @@ fn peak_share(distance: f32) -> f32 {
 
 impl SplitKernel {
     /// The kernel of a point if everything were at 1/`nearness` along the unfolded rays; `support` is tan β of its
-    /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have [`Self::at_texel`] and [`Self::at_pixel`].
+    /// lobe. Has a twin in `shaders/glossy/invariant.wgsl`, as have its sums and [`Self::at_pixel`].
     pub fn new(lens: &Lens, point: &GlossyPoint, nearness: f32, support: f32, levels: usize) -> Self {
         Self::for_radius(lens, point, nearness, Kernel::wanted_radius(lens, point, nearness, support), levels)
     }
