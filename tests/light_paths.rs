@@ -10,10 +10,11 @@ use lumenscope_core::{
         path::PathTracer,
         picture::ReferencePicture,
     },
-    scene::{accel::Ray, camera::Camera, world::World},
+    scene::{accel::Ray, camera::Camera, material::Material, world::World},
     superposition::{PassSettings, composite::DirectQuality, layers::Layer, render},
+    transport::LightTransportSolution,
 };
-use lumenscope_tests::{box_room, cornell, solved};
+use lumenscope_tests::{add, box_room, cornell, rectangle, solved};
 
 fn paths(text: &str) -> Expression {
     text.parse().unwrap()
@@ -201,21 +202,18 @@ fn estimates(pictures: &[Vec<Vec3>]) -> Vec<Estimate> {
         .collect()
 }
 
-#[test]
-fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
+/// Holds layers of pictures to the path tracer that follows the same paths. What the solver interpolates between
+/// elements is off by up to `bias` of the light, its own bound in a room.
+fn hold_to_paths(solution: &LightTransportSolution, terms: &[(&str, Layer, f32)]) {
     const FRAMES: u64 = 24;
-    let solution = solved(cornell(), 0.05);
     let camera = solution.scene.camera;
     let frame = |seed: u64| {
         let direct = DirectQuality::PerPixel(2);
         let settings = PassSettings { direct, frame: seed as u32, jitter: true, seed };
-        render(&solution, &camera, SIDE, SIDE, &settings).1
+        render(solution, &camera, SIDE, SIDE, &settings).1
     };
     let frames: Vec<_> = (1..=FRAMES).map(frame).collect();
-    // What the solver interpolates between elements is off by up to this share, its own bound in a room.
-    for (text, layer, bias) in
-        [("LE", Layer::Emitted, 0.0), ("LDE", Layer::Direct, 0.0), ("L(D|S)+DE", Layer::Indirect, 0.03)]
-    {
+    for &(text, layer, bias) in terms {
         let found = estimates(&frames.iter().map(|f| blocks(f.get(layer))).collect::<Vec<_>>());
         let traced = (1..=FRAMES).map(|seed| {
             let picture = ReferencePicture::new(solution.world.clone(), camera, SIDE, SIDE, 1000 + seed);
@@ -234,4 +232,23 @@ fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
         assert!(test.passes(), "{text}: {test:?}");
         assert!(found.iter().map(|e| e.mean.x).sum::<f32>() > 0.0, "{text} is black");
     }
+}
+
+#[test]
+fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
+    let terms =
+        [("LE", Layer::Emitted, 0.0), ("LDE", Layer::Direct, 0.0), ("L(D|S)+DE", Layer::Indirect, 0.03)];
+    hold_to_paths(&solved(cornell(), 0.05), &terms);
+}
+
+#[test]
+fn what_a_mirror_shows_of_light_that_went_between_walls_is_that_of_the_path_tracer() {
+    // The wall at the back is golden: it shows the lamp, the room, and what it throws into the room itself.
+    let mut scene = cornell();
+    let gold = Vec3::new(0.9, 0.7, 0.4);
+    let mirror = Material { reflectance: gold, metallic: 1.0, roughness: 0.0, ..Material::default() };
+    let wall = rectangle(Vec3::new(-1.0, 0.0, -0.999), Vec3::X * 2.0, Vec3::Y * 2.0);
+    add(&mut scene, "mirror", wall, mirror);
+    let solution = solved(scene, 0.05);
+    hold_to_paths(&solution, &[("L(D|S)*SE", Layer::Mirror, 0.03), ("L(D|S)+DE", Layer::Indirect, 0.03)]);
 }
