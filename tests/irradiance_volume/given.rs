@@ -117,13 +117,31 @@ fn a_panorama_of_the_program_becomes_a_volume_that_answers_as_a_probe_there() {
 }
 
 /// A volume file with a body of one's own, its checksum right.
-fn sealed(body: &[u8]) -> Vec<u8> {
+fn sealed(magic: &[u8; 8], body: &[u8]) -> Vec<u8> {
     let sum = body.chunks(8).fold(0xCBF2_9CE4_8422_2325 ^ body.len() as u64, |hash, chunk| {
         let mut word = [0u8; 8];
         word[..chunk.len()].copy_from_slice(chunk);
         (hash ^ u64::from_le_bytes(word)).wrapping_mul(0x0000_0100_0000_01B3).rotate_left(29)
     });
-    [b"LUMVOL03", &sum.to_le_bytes()[..], body].concat()
+    [magic, &sum.to_le_bytes()[..], body].concat()
+}
+
+#[test]
+fn a_volume_file_from_before_there_were_pockets_is_read() {
+    let (scene, light) = furnished();
+    let volume = build(&scene, &light, &small([3, 3, 3]));
+    let file = tempfile::NamedTempFile::new().unwrap();
+    volume.save(file.path()).unwrap();
+    let mut body = std::fs::read(file.path()).unwrap().split_off(16);
+    let word = |at: usize| u32::from_le_bytes(body[at..at + 4].try_into().unwrap()) as usize;
+    // Settings, six numbers of the bounds, the size, a flag a cell; then how many pockets there are.
+    let size = 4 + word(0) + 24;
+    let cells: usize = (0..3).map(|i| word(size + 4 * i)).product();
+    let count = size + 12 + cells;
+    assert_eq!(word(count), 0);
+    body.drain(count..count + 4);
+    std::fs::write(file.path(), sealed(b"LUMVOL02", &body)).unwrap();
+    assert!(all_bytes(&IrradianceVolume::load(file.path()).unwrap()) == all_bytes(&volume));
 }
 
 #[test]
@@ -137,7 +155,7 @@ fn a_volume_file_that_promises_more_than_it_holds_is_refused() {
         corners.iter().for_each(|c| body.extend(c.to_le_bytes()));
         size.iter().for_each(|n| body.extend(n.to_le_bytes()));
         body.extend([1u8; 64]);
-        std::fs::write(&path, sealed(&body)).unwrap();
+        std::fs::write(&path, sealed(b"LUMVOL03", &body)).unwrap();
         let error = IrradianceVolume::load(&path).unwrap_err().to_string();
         assert!(error.contains("crafted.volume") && !error.contains('\n'), "{error}");
         error

@@ -53,6 +53,8 @@ fn a_pocket_answers_with_what_its_sample_holds() {
     // Without a guard they are not asked.
     let plain = build(&scene, &light, &with_pockets(0)).with_guard(None);
     let unguarded = volume.with_guard(None);
+    let without = VolumeSettings { guard: false, ..with_pockets(40) };
+    assert!(pockets(&build(&scene, &light, &without)).is_empty(), "nothing would ask them");
     let (p, n) = (volume.samples()[found[0]].position, Vec3::X);
     assert_eq!(unguarded.irradiance(p, n, Part::All), plain.irradiance(p, n, Part::All));
 }

@@ -162,7 +162,7 @@ fn volume(ui: &mut Ui, over: &mut PlanOverrides, session: &Session) {
     count(
         ui,
         "Pockets",
-        "Samples at most for places in shelves and under desks that the samples around stand for badly",
+        "Samples at most for places in shelves and under desks that the samples around stand for badly; with the guard",
         &mut over.volume_pocket_samples,
         usual.pocket_samples,
         0..=4096,

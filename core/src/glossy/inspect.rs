@@ -56,7 +56,8 @@ pub struct KernelView {
     /// Its numbers.
     pub numbers: KernelNumbers,
     /// In the scene its footprint, coloured by weight over that of the peak and outlined where 95 % of the lobe end,
-    /// its lobe as a solid and the mirrored ray; beside it the kernel as an image, the lobe in the plane of incidence and the spectrum as curves.
+    /// its lobe as a solid and the mirrored ray; beside it the kernel as an image, the lobe in the plane of incidence
+    /// and the spectrum as curves.
     pub scene: InspectionScene,
 }
 

@@ -15,6 +15,8 @@ use glam::{UVec3, Vec3};
 use std::{path::Path, sync::Arc};
 
 const MAGIC: &[u8; 8] = b"LUMVOL03";
+/// Files from before there were pockets.
+const WITHOUT_POCKETS: &[u8; 8] = b"LUMVOL02";
 
 impl IrradianceVolume {
     /// Writes the volume.
@@ -65,7 +67,8 @@ impl IrradianceVolume {
 
 fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     let mut rest = bytes;
-    if take(&mut rest, MAGIC.len()).ok() != Some(&MAGIC[..]) {
+    let magic = take(&mut rest, MAGIC.len()).unwrap_or_default();
+    if magic != MAGIC && magic != WITHOUT_POCKETS {
         return Err(format!("it does not begin with {}", String::from_utf8_lossy(MAGIC)));
     }
     let wanted = u64::from_le_bytes(array(&mut rest)?);
@@ -106,7 +109,10 @@ fn parse(bytes: &[u8]) -> Result<IrradianceVolume, String> {
     let flags: Vec<bool> = flags.collect();
     let mut grid = BilevelGrid::new(low, high, size + UVec3::ONE, settings.second_level, &flags);
     enough(grid.places().len(), rest)?;
-    let pockets = u32::from_le_bytes(array(&mut rest)?) as usize;
+    let pockets = match magic == MAGIC {
+        true => u32::from_le_bytes(array(&mut rest)?) as usize,
+        false => 0,
+    };
     enough(grid.places().len() + pockets, rest)?;
     let pockets = take(&mut rest, 4 * pockets)?.chunks_exact(4);
     let pockets: Vec<u32> = pockets.map(|e| u32::from_le_bytes([e[0], e[1], e[2], e[3]])).collect();

@@ -5,8 +5,8 @@
 //! move such places but do not end them. So the eighths of the cells that hold geometry are asked for the error of a
 //! query of indirect light at their middle, and the worst get a sample of their own: a third level, in places. It
 //! answers alone in its eighth, wherever it sees the point and three quarters of what that sees; the guard
-//! ([`visibility`](super::visibility)) asks, so queries without a guard know nothing of it. They are chosen in two rounds, few rays everywhere and more
-//! where that was worst.
+//! ([`visibility`](super::visibility)) asks, so volumes without a guard have none. They are chosen in two rounds, few
+//! rays everywhere and more where that was worst.
 //!
 //! The error is the mean over directions of |ln (E + e) / (E_exact + e)|, e being 5 % of the mean: by ratios, since
 //! what is found of dark places may exceed them by any multiple, but no bright one is missed by more than all of
@@ -65,6 +65,10 @@ fn worst(compared: &[Compared], most: usize) -> Vec<u32> {
     let values = || compared.iter().flat_map(|c| &c.exact);
     let mean = values().map(|e| f64::from(*e)).sum::<f64>() / values().count().max(1) as f64;
     let floor = floor_of(mean) as f32;
+    if floor <= 0.0 {
+        // In the dark there is nothing to err from.
+        return Vec::new();
+    }
     let ratio = |(found, exact): (&f32, &f32)| ((found + floor) / (exact + floor)).ln().abs();
     let error = |c: &Compared| c.found.iter().zip(&c.exact).map(ratio).sum::<f32>() / c.exact.len() as f32;
     let errors = compared.iter().map(|c| (error(c), c.eighth));
@@ -84,7 +88,8 @@ impl IrradianceVolume {
         targets: &Targets,
         progress: &Progress,
     ) -> Result<(), VolumeError> {
-        if self.settings.pocket_samples == 0 {
+        // Only the guard asks them.
+        if self.settings.pocket_samples == 0 || !self.settings.guard {
             return Ok(());
         }
         let eighths = self.with_guard(Some(world)).misled(world, light, progress)?;

@@ -7,6 +7,7 @@ use super::{
     grid::trilinear,
     harmonics,
     moments::Order,
+    pockets::POCKET_LEVEL,
     visibility::PointState,
 };
 use crate::{
@@ -118,7 +119,7 @@ impl IrradianceVolume {
         let corners = Corners { ids: cell.samples, weights: usable(trilinear, cell.valid) };
         let mut careful = self.careful(position, corners, at.cell, cell.valid);
         if careful.state == PointState::Borrowed
-            && self.grid.pocket(at.cell, position) == Some(careful.corners.ids[0])
+            && self.samples[careful.corners.ids[0] as usize].level == POCKET_LEVEL
         {
             careful.state = PointState::Inside;
         }

@@ -214,7 +214,8 @@ impl IrradianceVolume {
     ) -> Option<Self> {
         let VolumeSettings { basis, guard, ref moments, .. } = *settings;
         let alike = VolumeSettings { basis, guard, moments: moments.clone(), ..self.settings.clone() };
-        if alike != *settings || !self.can_relight() {
+        let other_pockets = guard != self.settings.guard && settings.pocket_samples > 0;
+        if alike != *settings || other_pockets || !self.can_relight() {
             return None;
         }
         let mut volume = self.with_basis(basis);
