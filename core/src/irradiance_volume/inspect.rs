@@ -293,14 +293,17 @@ pub fn grid_lines(volume: &IrradianceVolume, view: &VolumeView) -> InspectionSce
         range: [0.0, 1.0],
         names: &["first", "second"],
     });
+    let in_pockets = match grid.pockets().len() {
+        0 => String::new(),
+        count => format!("{count} samples in pockets, "),
+    };
     scene.notes.push(format!(
-        "first level {} × {} × {} samples, {} second-level grids of {}³, {} samples in pockets, {} samples together",
+        "first level {} × {} × {} samples, {} second-level grids of {}³, {in_pockets}{} samples together",
         size.x + 1,
         size.y + 1,
         size.z + 1,
         grid.second_level_grids(),
         inner + 1,
-        grid.pockets().len(),
         grid.places().len()
     ));
     scene
