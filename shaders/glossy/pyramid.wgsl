@@ -109,24 +109,16 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
         texel_at(fine, x + 1, y),
         texel_at(fine, x, y + 1),
         texel_at(fine, x + 1, y + 1));
-    let first = four[0].reflector;
-    let alike = four[1].reflector == first && four[2].reflector == first && four[3].reflector == first;
     var sum = 0.0;
     var reflector = NONE;
-    if alike {
-        // Nearly everywhere.
-        sum = four[0].coverage + four[1].coverage + four[2].coverage + four[3].coverage;
-        reflector = first;
-    } else {
-        for (var i = 0u; i < 4u; i++) {
-            var covered = 0.0;
-            for (var k = 0u; k < 4u; k++) {
-                covered += select(0.0, four[k].coverage, four[k].reflector == four[i].reflector);
-            }
-            if four[i].reflector != NONE && covered > sum {
-                sum = covered;
-                reflector = four[i].reflector;
-            }
+    for (var i = 0u; i < 4u; i++) {
+        var covered = 0.0;
+        for (var k = 0u; k < 4u; k++) {
+            covered += select(0.0, four[k].coverage, four[k].reflector == four[i].reflector);
+        }
+        if four[i].reflector != NONE && covered > sum {
+            sum = covered;
+            reflector = four[i].reflector;
         }
     }
     var merged = no_texel();

@@ -21,7 +21,7 @@ pub struct VolumeOptions {
     /// Samples over both levels that the grid stays within.
     #[arg(long)]
     target_samples: Option<u32>,
-    /// Samples beside those for places that the samples of their cell stand for badly.
+    /// Samples beside those for places that the samples of their cell stand for badly; they need the guard.
     #[arg(long)]
     pocket_samples: Option<u32>,
     /// Radiance rays a bin.

@@ -14,7 +14,7 @@
 
 use super::{
     kernel::{GlossyPoint, Lens},
-    pyramid::{Level, Pyramid},
+    pyramid::{Level, Pyramid, around},
 };
 use crate::math::image::LinearImage;
 use glam::{Vec2, Vec3, Vec4};
@@ -205,15 +205,11 @@ impl SplitKernel {
 
 /// Values of a level between those of its texels that show a reflector, around the middle of one of a level finer by
 /// some steps.
-fn between(level: &Level, values: &[Vec4], reflector: u32, [x, y]: [i32; 2], steps: usize) -> Option<Vec4> {
-    let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << steps) as f32 - 0.5;
-    let (low, f) = (at.floor(), at - at.floor());
+fn between(level: &Level, values: &[Vec4], reflector: u32, finer: [i32; 2], steps: usize) -> Option<Vec4> {
     let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
-    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        let (tx, ty) = (low.x as i32 + dx, low.y as i32 + dy);
-        if level.at(tx, ty).reflector == reflector {
-            let weight = (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
-            sum += values[(ty as u32 * level.width + tx as u32) as usize] * weight;
+    for ([x, y], weight) in around(finer, steps) {
+        if level.at(x, y).reflector == reflector {
+            sum += values[(y as u32 * level.width + x as u32) as usize] * weight;
             weights += weight;
         }
     }

@@ -1,7 +1,7 @@
 //! The mirror image at halves of its resolution: each level holds the means of two by two texels.
 
 use crate::mirror::{pass::MirrorImage, reflectors::NO_REFLECTOR};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Levels of a pyramid, at most.
 pub const MOST_LEVELS: usize = 12;
@@ -68,6 +68,16 @@ impl Level {
         }
         self.texels[y as usize * self.width as usize + x as usize]
     }
+}
+
+/// The four texels around the middle of one of a level finer by some steps, and their bilinear weights.
+pub(super) fn around([x, y]: [i32; 2], steps: usize) -> [([i32; 2], f32); 4] {
+    let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << steps) as f32 - 0.5;
+    let (low, f) = (at.floor(), at - at.floor());
+    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| {
+        let weight = (if dx == 1 { f.x } else { 1.0 - f.x }) * (if dy == 1 { f.y } else { 1.0 - f.y });
+        ([low.x as i32 + dx, low.y as i32 + dy], weight)
+    })
 }
 
 /// Size of a level: halves, rounded up.

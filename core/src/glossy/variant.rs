@@ -7,7 +7,7 @@
 
 use super::{
     kernel::{GlossyPoint, Lens},
-    pyramid::{Pyramid, Texel},
+    pyramid::{Pyramid, Texel, around},
 };
 use glam::{Vec2, Vec3};
 
@@ -65,17 +65,12 @@ pub fn reach(
 ) -> f32 {
     let own = pyramid.levels[0].at(x, y).nearness;
     let number = REACH_LEVEL.min(pyramid.levels.len() - 1);
-    let level = &pyramid.levels[number];
-    // Between the texels, so that the radius does not change in blocks.
-    let at = (Vec2::new(x as f32, y as f32) + 0.5) / (1u32 << number) as f32 - 0.5;
-    let (low, f) = (at.floor(), at - at.floor());
     let (mut sum, mut weights) = (0.0, 0.0);
-    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        let texel = level.at(low.x as i32 + dx, low.y as i32 + dy);
+    // Between the texels, so that the radius does not change in blocks.
+    for ([tx, ty], share) in around([x, y], number) {
+        let texel = pyramid.levels[number].at(tx, ty);
         if texel.reflector == reflector {
-            let weight = (if dx == 1 { f.x } else { 1.0 - f.x })
-                * (if dy == 1 { f.y } else { 1.0 - f.y })
-                * texel.coverage;
+            let weight = share * texel.coverage;
             sum += texel.nearness * weight;
             weights += weight;
         }

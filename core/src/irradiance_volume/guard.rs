@@ -55,6 +55,12 @@ impl std::fmt::Debug for Guard {
     }
 }
 
+/// Rows of bins a hemisphere in whose directions two places are compared.
+const COMPARED_N: u32 = 4;
+
+/// Share of the directions in which two places must see the same for one to speak for the other.
+const ALIKE: f32 = 0.75;
+
 impl Guard {
     /// Of what stands still in a world.
     pub(super) fn new(world: &World, grid: &BilevelGrid, samples: &[Sample]) -> Self {
@@ -123,15 +129,7 @@ impl Guard {
         let ray = Ray::between(sample, point);
         ray.is_degenerate() || !self.standing.occluded_past(&ray, blockers)
     }
-}
 
-/// Rows of bins a hemisphere in whose directions two places are compared.
-const COMPARED_N: u32 = 4;
-
-/// Share of the directions in which two places must see the same for one to speak for the other.
-const ALIKE: f32 = 0.75;
-
-impl Guard {
     /// Whether two places see the same, mostly: in a direction they do where what they see lies no more than twice
     /// as far apart as they do.
     pub(super) fn alike(&self, a: Vec3, b: Vec3) -> bool {

@@ -87,7 +87,7 @@ use rays::Patch;
 use std::sync::{Arc, OnceLock};
 use trust::{Fills, SampleState};
 
-/// Irradiance at points in the air for every direction, on a bilevel grid. Cheap to clone.
+/// Irradiance at points in the air for every direction, on a bilevel grid and in its pockets. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct IrradianceVolume {
     settings: VolumeSettings,

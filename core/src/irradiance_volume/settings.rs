@@ -25,7 +25,8 @@ pub struct VolumeSettings {
     /// some more let ours keep its error in the dark corners, see `tests/irradiance_volume/accuracy.rs`.
     pub target_samples: u32,
     /// Samples at most, beside those, for places that the samples of their cell stand for badly, up to 100,000; see
-    /// [`super::pockets`]. They need the guard. None by default: light steps at their faces, and each is one more to relight.
+    /// [`super::pockets`]. They need the guard. None by default: light steps at their faces, and each is one more to
+    /// relight.
     pub pocket_samples: u32,
     /// Second-level samples an axis in a cell with geometry, 2 to 9; the thesis uses 3.
     pub second_level: u32,
