@@ -6,7 +6,6 @@ use super::{
 };
 use lumenscope_core::{
     inspection::{Curve, InspectionScene, colours::ColourSettings},
-    io::png::write_png,
     irradiance_volume::{
         IrradianceVolume,
         difference::Difference,
@@ -54,12 +53,6 @@ pub fn run(a: &Path, b: &Path, out: Option<&Path>) -> anyhow::Result<()> {
     solve::write(&out.join("histogram.csv"), &table)?;
     eprintln!("{}: A - B on three planes, and how far A is from B", out.display());
     Ok(())
-}
-
-impl Page {
-    fn write(&self, path: &Path) -> anyhow::Result<()> {
-        Ok(write_png(path, self.width as u32, self.height as u32, &self.pixels)?)
-    }
 }
 
 /// A − B on the planes through the middle of A across x, y and z, side by side, one scale for all.

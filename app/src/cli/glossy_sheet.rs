@@ -6,7 +6,6 @@ use super::{
     render::auto_display,
 };
 use lumenscope_core::{
-    io::png,
     math::{
         colour::{luminance, srgb8},
         false_colour::{FalseColour, Palette},
@@ -118,6 +117,6 @@ impl Sheet {
             page.put(from + i % bar, foot + i / bar, srgb8(colours.colour((i % bar) as f32 / bar as f32)));
         }
         page.text(from + bar + 8, foot + 1, 1, &format!("0 to {MOST}"), INK);
-        Ok(png::write_png(path, page.width as u32, page.height as u32, &page.pixels)?)
+        page.write(path)
     }
 }

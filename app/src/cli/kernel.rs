@@ -14,7 +14,6 @@ use glam::{UVec2, Vec2, Vec3};
 use lumenscope_core::{
     glossy::{inspect::KernelView, inspect_point::KernelPoint},
     inspection::Curve,
-    io::png,
     math::{
         colour::srgb8,
         false_colour::{FalseColour, Palette},
@@ -76,7 +75,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let solution = solve::solve(&loaded, false)?;
     let picture = scene_picture(&solution, options, &view, common)?;
     let page = sheet(options.size, &picture, &view);
-    png::write_png(&options.out.join("kernel.png"), page.width as u32, page.height as u32, &page.pixels)?;
+    page.write(&options.out.join("kernel.png"))?;
     let n = &view.numbers;
     let report = serde_json::json!({
         "at_m": view.point.position.to_array(),
@@ -129,7 +128,7 @@ fn view(options: &Options, world: &World, camera: &Camera) -> anyhow::Result<Ker
         (None, None) => {
             let buffer = buffer();
             // Below the middle of the picture, where tables and floors are.
-            let wanted = (size.as_vec2() * Vec2::new(0.5, 0.75)).as_ivec2();
+            let wanted = (size.as_vec2() * Vec2::new(0.5, 0.85)).as_ivec2();
             let mut pixels: Vec<UVec2> =
                 (0..size.x * size.y).step_by(7).map(|i| UVec2::new(i % size.x, i / size.x)).collect();
             pixels.sort_by_key(|p| (p.as_ivec2() - wanted).length_squared());

@@ -1,6 +1,8 @@
 //! A page of pictures, lines and words that the command line draws.
 
 use font8x8::UnicodeFonts;
+use lumenscope_core::io::png::write_png;
+use std::path::Path;
 
 /// Colour of words and ticks.
 pub const INK: [u8; 3] = [235, 235, 235];
@@ -19,6 +21,14 @@ impl Page {
     /// An empty one.
     pub fn new(width: usize, height: usize) -> Self {
         Self { width, height, pixels: vec![[28, 28, 30, 255]; width * height] }
+    }
+
+    /// Writes it as a PNG.
+    ///
+    /// # Errors
+    /// One line naming the file and the cause.
+    pub fn write(&self, path: &Path) -> anyhow::Result<()> {
+        Ok(write_png(path, self.width as u32, self.height as u32, &self.pixels)?)
     }
 
     /// Sets a pixel; nothing outside.

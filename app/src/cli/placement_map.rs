@@ -3,7 +3,6 @@
 use super::page::{INK, Page};
 use crate::widgets::placement_map::colours;
 use lumenscope_core::{
-    io::png::write_png,
     irradiance_volume::placement::{
         Measurement,
         inspect::{Field, levels},
@@ -56,7 +55,7 @@ pub fn write(path: &Path, measured: &Measurement, wanted: &Requirement) -> anyho
     numbers(&mut page, origin, size, measured, &colours);
     words(&mut page, measured, wanted);
     legend(&mut page, &colours);
-    Ok(write_png(path, page.width as u32, page.height as u32, &page.pixels)?)
+    page.write(path)
 }
 
 /// Pixel of a point in lattice coordinates of a [`Field`].

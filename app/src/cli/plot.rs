@@ -2,10 +2,7 @@
 
 use super::{page::Page, solve};
 use crate::widgets::number;
-use lumenscope_core::{
-    io::png::write_png,
-    measure::chart::{Point, front},
-};
+use lumenscope_core::measure::chart::{Point, front};
 use std::{fmt::Write, path::Path};
 
 const WIDTH: f64 = 520.0;
@@ -91,7 +88,7 @@ impl Plot {
         solve::write(&folder.join(format!("{name}.svg")), &svg(&marks, size))?;
         let page = page(&marks, size);
         let path = folder.join(format!("{name}.png"));
-        Ok(write_png(&path, page.width as u32, page.height as u32, &page.pixels)?)
+        page.write(&path)
     }
 
     /// Every mark, and width and height.

@@ -2,22 +2,23 @@
 //! mirror image (Bastos 1999, Fig. 6.23 and 6.24).
 
 use super::{
-    Common, parse_size,
+    Common,
+    page::{INK, Page},
+    parse_size,
     render::{auto_display, write_layers, write_png},
     solve,
 };
 use anyhow::bail;
 use clap::Args;
-use glam::{UVec2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::{Curve, InspectionScene},
-    io::png,
-    math::image::LinearImage,
+    math::{colour::srgb8, image::LinearImage},
     mirror::{inspect, pass::mirror_image, reflectors::Reflectors},
     scene::{brdf::Specular, geometry::Geometry},
     superposition::{
         PassSettings,
-        composite::{DirectQuality, Display, ToneCurve, white_luminance},
+        composite::{self, DirectQuality, Display},
         layers::Layer,
         pass::Shading,
         render,
@@ -30,7 +31,7 @@ use std::{fmt::Write as _, path::PathBuf};
 pub struct Options {
     /// Scene file.
     scene: PathBuf,
-    /// Folder for maps and graphs, `reflectance.csv` and the pictures of the mirrors.
+    /// Folder for `reflectance.png` and `.csv`, and the pictures of the mirrors.
     #[arg(long)]
     out: PathBuf,
     /// Size of the pictures.
@@ -52,8 +53,11 @@ fn parse_reflectance(text: &str) -> Result<Vec3, String> {
     }
 }
 
-/// Width and height of a graph, pixels.
-const GRAPH: [u32; 2] = [260, 180];
+/// Side of a map and height of its graph, width of a graph, and what is left between them, pixels.
+const SIDE: usize = 195;
+const GRAPH: usize = 360;
+const MARGIN: usize = 40;
+const FAINT: [u8; 3] = [74, 74, 80];
 
 /// Writes everything and prints the notes.
 ///
@@ -92,28 +96,18 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     for (name, picture) in pictures {
         write_png(&options.out.join(format!("{name}.png")), picture, &display)?;
     }
-    let size = UVec2::from(options.size);
-    let beside =
-        LinearImage::from_fn(3 * size.x, size.y, |x, y| pictures[(x / size.x) as usize].1.at(x % size.x, y));
-    write_png(&options.out.join("triptych.png"), &beside, &display)?;
+    triptych(&pictures, &display).write(&options.out.join("triptych.png"))?;
     write_layers(&options.out.join("layers.exr"), &layers)
 }
 
-/// Maps, graphs and the table of a view.
+/// The sheet and the table of a view.
 fn maps(options: &Options, shown: &InspectionScene) -> anyhow::Result<()> {
-    // Reflectance 1 is white.
-    let display =
-        Display { ev100: (1.0 / white_luminance(0.0)).log2(), tone: ToneCurve::Linear, false_colour: None };
-    let mut table = String::from("material,radius,degrees,r,g,b\n");
+    sheet(shown).write(&options.out.join("reflectance.png"))?;
+    let mut table = String::from("material,degrees,r,g,b\n");
     for (image, curves) in shown.images.iter().zip(shown.curves.chunks(3)) {
-        let name: String = image.name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
-        write_png(&options.out.join(format!("{name}_map.png")), &image.image, &display)?;
-        let [width, height] = GRAPH;
-        png::write_png(&options.out.join(format!("{name}_graph.png")), width, height, &graph(curves))?;
-        for (i, at) in curves[0].points.iter().enumerate().filter(|(_, at)| at.x >= 0.0) {
+        for (i, at) in curves[0].points.iter().enumerate() {
             let [r, g, b] = [0, 1, 2].map(|channel: usize| curves[channel].points[i].y);
-            let degrees = at.x.min(1.0).asin().to_degrees();
-            let _ = writeln!(table, "{},{},{degrees},{r},{g},{b}", image.name, at.x);
+            let _ = writeln!(table, "{},{},{r},{g},{b}", image.name, at.x);
         }
     }
     for note in &shown.notes {
@@ -122,29 +116,59 @@ fn maps(options: &Options, shown: &InspectionScene) -> anyhow::Result<()> {
     solve::write(&options.out.join("reflectance.csv"), &table)
 }
 
-/// Reflectance from 0 to 1 over the line through a map's middle.
-fn graph(curves: &[Curve]) -> Vec<[u8; 3]> {
-    let [width, height] = GRAPH;
-    let mut pixels = vec![[255; 3]; (width * height) as usize];
-    let size = Vec2::new(width as f32 - 1.0, height as f32 - 1.0);
-    let mut dot = |at: Vec2, ink: [u8; 3]| {
-        let place = (Vec2::new(0.5 * (at.x + 1.0), 1.0 - at.y).clamp(Vec2::ZERO, Vec2::ONE) * size)
-            .round()
-            .as_uvec2();
-        pixels[(place.y * width + place.x) as usize] = ink;
-    };
-    for i in 0..=4 * width {
-        let x = i as f32 / (2 * width) as f32 - 1.0;
-        for level in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            dot(Vec2::new(x, level), [222; 3]);
-        }
-    }
-    for (curve, ink) in curves.iter().zip([[210, 40, 30], [30, 150, 60], [40, 80, 210]]) {
-        for ends in curve.points.windows(2) {
-            for step in 0..=64 {
-                dot(ends[0].lerp(ends[1], step as f32 / 64.0), ink);
+/// Of each material its map, as a sphere that mirrors white would look, and its graph over the angle.
+fn sheet(shown: &InspectionScene) -> Page {
+    let block = SIDE + 2 * MARGIN;
+    let mut page = Page::new(SIDE + GRAPH + 4 * MARGIN, shown.images.len() * block + MARGIN);
+    page.text(MARGIN / 2, 8, 1, "reflectance of a sphere: its rim is seen at 90 degrees", INK);
+    for (i, (image, curves)) in shown.images.iter().zip(shown.curves.chunks(3)).enumerate() {
+        let top = i * block + 2 * MARGIN;
+        page.text(MARGIN / 2, top - MARGIN / 2, 1, shown.notes.get(i).map_or("", String::as_str), INK);
+        for (x, y) in (0..SIDE * SIDE).map(|k| (k % SIDE, k / SIDE)) {
+            let texel = |v: usize, n: u32| (v * n as usize / SIDE) as u32;
+            let at = image.image.at(texel(x, image.image.width), texel(y, image.image.height));
+            if at != Vec3::ZERO {
+                page.put(MARGIN / 2 + x, top + y, srgb8(at));
             }
         }
+        graph(&mut page, [SIDE + 2 * MARGIN, top], curves);
     }
-    pixels
+    page
+}
+
+/// Reflectance from 0 to 1 over angles from 0° to 90°.
+fn graph(page: &mut Page, [left, top]: [usize; 2], curves: &[Curve]) {
+    let place = |p: Vec2| {
+        let share = Vec2::new(p.x / 90.0, 1.0 - p.y).clamp(Vec2::ZERO, Vec2::ONE);
+        [left as f32 + share.x * GRAPH as f32, top as f32 + share.y * SIDE as f32]
+    };
+    for level in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let [_, y] = place(Vec2::new(0.0, level));
+        page.line([left as f32, y], [(left + GRAPH) as f32, y], FAINT);
+        page.text(left - MARGIN, y as usize - 4, 1, &format!("{level:.2}"), INK);
+    }
+    for degrees in [0, 15, 30, 45, 60, 75, 90] {
+        let [x, y] = place(Vec2::new(degrees as f32, 0.0));
+        page.line([x, top as f32], [x, y], FAINT);
+        page.text(x as usize - 12, y as usize + 8, 1, &format!("{degrees}°"), INK);
+    }
+    for (curve, ink) in curves.iter().zip([[240, 80, 70], [60, 200, 90], [90, 140, 255]]) {
+        for ends in curve.points.windows(2) {
+            page.line(place(ends[0]), place(ends[1]), ink);
+        }
+    }
+}
+
+/// Pictures side by side, each with its name above it.
+fn triptych(pictures: &[(&str, &LinearImage); 3], display: &Display) -> Page {
+    const HEAD: usize = 20;
+    let (width, height) = (pictures[0].1.width as usize, pictures[0].1.height as usize);
+    let mut page = Page::new(3 * width, height + HEAD);
+    for (i, (name, picture)) in pictures.iter().enumerate() {
+        page.text(i * width + 6, 6, 1, name, INK);
+        for (k, [r, g, b, _]) in composite::display(picture, display).into_iter().enumerate() {
+            page.put(i * width + k % width, HEAD + k / width, [r, g, b]);
+        }
+    }
+    page
 }

@@ -163,7 +163,7 @@ pub fn write_pictures(
         }
         let page = ground.framed(view.title, &scene, &scene.colours(&ColourSettings::default()));
         let path = folder.join(format!("view_{}.png", view.id));
-        write(&path, page.width as u32, page.height as u32, &page.pixels)?;
+        page.write(&path)?;
         if let Some(legend) = &scene.legend {
             let range = serde_json::json!({ "title": view.title, "quantity": legend.quantity, "unit": legend.unit, "range": legend.range });
             legends.insert(view.id.into(), range);

@@ -10,7 +10,7 @@ use crate::panels::texture::NAMES;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use lumenscope_core::{
-    io::{exr, png},
+    io::exr,
     math::{
         colour::{luminance, srgb8},
         false_colour::{FalseColour, Palette},
@@ -108,7 +108,7 @@ pub fn run(
     let shown: Vec<LinearImage> = stages.iter().map(|s| s.picture(size)).collect();
     let page = sheet(&grid, &shown, &at_points, &wanted);
     let path = out.join("stages.png");
-    png::write_png(&path, page.width as u32, page.height as u32, &page.pixels)?;
+    page.write(&path)?;
     eprintln!("{}", path.display());
     Ok(())
 }

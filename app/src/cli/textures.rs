@@ -12,7 +12,7 @@ use anyhow::bail;
 use clap::Args;
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
-    io::{exr, png},
+    io::exr,
     math::{
         colour::srgb8,
         false_colour::{FalseColour, Palette},
@@ -100,7 +100,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         exr::write_layers(&options.out.join(format!("textures_{samples}.exr")), &layers, "irradiance, lx")?;
         let page = sheet(&spot, &reference, &rows);
         let path = options.out.join(format!("sheet_{samples}.png"));
-        png::write_png(&path, page.width as u32, page.height as u32, &page.pixels)?;
+        page.write(&path)?;
     }
     solve::write(&options.out.join("table.csv"), &csv)?;
     if options.depths > 0 { depths(options, &spot) } else { Ok(()) }

@@ -238,7 +238,7 @@ impl Options {
         // A view that found nothing to mark is a picture too: it says so.
         if !made.is_beside_the_scene() || (made.images.is_empty() && made.curves.is_empty()) {
             let page = ground.framed(row.title, made, &colours);
-            png::write_png(&file(".png"), page.width as u32, page.height as u32, &page.pixels)?;
+            page.write(&file(".png"))?;
             eprintln!("{}", file(".png").display());
         }
         for (i, named) in made.images.iter().enumerate() {

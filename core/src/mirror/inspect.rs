@@ -74,7 +74,7 @@ fn middle(geometry: &Geometry, reflector: &Reflector) -> (Vec3, f32) {
 }
 
 /// The reflectance of every polished material by angle: a map over the disc of normals that a sphere shows
-/// (Bastos 1999, Fig. 6.23), and its red, green and blue along the middle of the map.
+/// (Bastos 1999, Fig. 6.23), and its red, green and blue over the angle to the normal.
 ///
 /// `None` where nothing is polished.
 pub fn reflectance(geometry: &Geometry) -> Option<InspectionScene> {
@@ -95,17 +95,17 @@ pub fn reflectance(geometry: &Geometry) -> Option<InspectionScene> {
     (!scene.images.is_empty()).then_some(scene)
 }
 
-/// Puts the map of a lobe into a view, its red, green and blue along the middle, and some of its values in words.
+/// Puts the map of a lobe into a view, its red, green and blue over the angle, and some of its values in words.
 pub fn add_reflectance(scene: &mut InspectionScene, name: &str, specular: &Specular) {
     scene.images.push(NamedImage { name: name.to_owned(), image: map(specular) });
     for (channel, colour) in ["red", "green", "blue"].into_iter().enumerate() {
         scene.curves.push(Curve {
             name: format!("{name}, {colour}"),
-            axes: ["across the map, −1 to 1".into(), "reflectance F".into()],
-            points: (0..=128)
-                .map(|i| {
-                    let x = i as f32 / 64.0 - 1.0;
-                    Vec2::new(x, at_radius(specular, x.abs())[channel])
+            axes: ["angle to the normal, °".into(), "reflectance F".into()],
+            points: (0..=90)
+                .map(|degrees| {
+                    let cos_theta = (degrees as f32).to_radians().cos().max(0.0);
+                    Vec2::new(degrees as f32, specular.reflectance(cos_theta)[channel])
                 })
                 .collect(),
             radial: false,
