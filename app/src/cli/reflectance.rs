@@ -119,8 +119,16 @@ fn maps(options: &Options, shown: &InspectionScene) -> anyhow::Result<()> {
 /// Of each material its map, as a sphere that mirrors white would look, and its graph over the angle.
 fn sheet(shown: &InspectionScene) -> Page {
     let block = SIDE + 2 * MARGIN;
-    let mut page = Page::new(SIDE + GRAPH + 4 * MARGIN, shown.images.len() * block + MARGIN);
-    page.text(MARGIN / 2, 8, 1, "reflectance of a sphere: its rim is seen at 90 degrees", INK);
+    let words = shown.notes.iter().map(|n| 8 * n.chars().count()).max().unwrap_or(0);
+    let mut page =
+        Page::new(MARGIN + words.max(SIDE + GRAPH + 3 * MARGIN), shown.images.len() * block + MARGIN);
+    page.text(
+        MARGIN / 2,
+        8,
+        1,
+        "reflectance of a sphere: its middle is seen along the normal, its rim at 90°",
+        INK,
+    );
     for (i, (image, curves)) in shown.images.iter().zip(shown.curves.chunks(3)).enumerate() {
         let top = i * block + 2 * MARGIN;
         page.text(MARGIN / 2, top - MARGIN / 2, 1, shown.notes.get(i).map_or("", String::as_str), INK);
