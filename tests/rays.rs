@@ -5,7 +5,7 @@ use lumenscope_core::{
     math::random::Rng,
     scene::{
         Object, Part, Scene,
-        accel::{Accel, Blockers, Ray},
+        accel::{Accel, Blockers, Ray, Shaft},
         geometry::Geometry,
         material::Material,
         mesh::Mesh,
@@ -117,6 +117,7 @@ struct Tally {
     fragile: u64,
     wrong: Vec<String>,
     blockers: Blockers,
+    shaft: Shaft,
 }
 
 /// Compares one ray. Accepted is any hit that `f64` calls possible within rounding, no further than
@@ -144,6 +145,16 @@ fn compare(tally: &mut Tally, what: &str, ray: &Ray, accel: &Accel, geometry: &G
     // Asked first of a ray are the blockers of the rays before it, which are unlike it.
     if hit.is_some() != accel.occluded_past(ray, &mut tally.blockers) {
         tally.wrong.push(format!("{what}: trace and occluded_past disagree on {ray:?}"));
+    }
+    // The same by what may stand before a box around the ray's end: a point, a flat one, a large one.
+    if ray.t_min == 0.0 && ray.t_max < 1.0 {
+        let (end, d) = (ray.origin + ray.direction, ray.direction);
+        for around in [Vec3::ZERO, 0.2 * d.abs() * Vec3::new(1.0, 0.0, 0.5), Vec3::splat(0.3 * d.length())] {
+            accel.look(ray.origin, [end - around, end + 0.5 * around], &mut tally.shaft);
+            if hit.is_some() != accel.occluded_in(ray, &mut tally.shaft) {
+                tally.wrong.push(format!("{what}: trace and occluded_in disagree on {ray:?}, {around}"));
+            }
+        }
     }
     tally.hits += u64::from(hit.is_some());
     let candidates = possible.iter().filter(|p| p.1 - p.2 <= certain).count();

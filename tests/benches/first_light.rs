@@ -86,13 +86,14 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
     let mut answers = vec![Vec3::ZERO; BATCH as usize];
     let lamp = world.emitters.list[0].target();
     let shifted = shifted(scene, lamp);
+    let radiosities = [world, &shifted].map(|w| radiosity.relight(w, &[lamp], 16, 100));
     let (mut relit, mut step) = (volume.clone(), 0);
     for (name, moving) in [("while it moves (goal 30 ms)", &[lamp][..]), ("at rest", &[])] {
         group.bench_function(format!("volume relit from cached hits after one lamp moved, {name}"), |b| {
             b.iter(|| {
                 step += 1;
-                let world = if step % 2 == 0 { world } else { &shifted };
-                relit = relit.relight_moving(world, &radiosity, &[lamp], moving);
+                let world = [world, &shifted][step % 2];
+                relit = relit.relight_moving(world, &radiosities[step % 2], &[lamp], moving);
             });
         });
     }

@@ -6,19 +6,18 @@
 use super::{
     Tables, VolumeSettings,
     codec::{Texel, encode_eight},
-    direct::Arrivals,
+    direct::{Arrival, Arrivals},
     ignored::Ignored,
     probe::emission,
-    quadrature::{BLOCK, LANES, Quadrature},
+    quadrature::{BLOCK, LANES, Lanes, Quadrature},
     rays::{Extra, NO_ELEMENT, PointHits, Source},
-    received::{Centres, Received},
+    received::Centres,
     trust::Fills,
 };
 use crate::{math::sphere_map::DirectionBins, scene::world::World};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::{f32::consts::FRAC_1_PI, sync::Arc};
-use wide::f32x8;
+use std::{f32::consts::FRAC_1_PI, ops::Range, sync::Arc};
 
 /// What the rays of some points met.
 #[derive(Clone, Debug)]
@@ -54,8 +53,8 @@ pub(super) struct Solver {
 /// Light as the rays of a cache see it.
 pub(super) struct SeenLight<'a> {
     world: &'a World,
-    /// Reflected radiance of each element, cd/m²; black where it is ignored.
-    radiance: Vec<Vec3>,
+    /// Reflected radiance of each element, cd/m² and a zero; black where it is ignored, and after the last.
+    radiance: Vec<[f32; 4]>,
     ignored: &'a Ignored,
 }
 
@@ -108,11 +107,9 @@ impl Met {
                     .get(element)
                     .is_some_and(|&t| t != NO_ELEMENT && ignored.holds_triangle(&world.geometry, t))
         };
-        let radiance = radiosity
-            .iter()
-            .enumerate()
-            .map(|(e, b)| if black(e) { Vec3::ZERO } else { *b * FRAC_1_PI })
-            .collect();
+        let shown = |(e, b): (usize, &Vec3)| if black(e) { Vec3::ZERO } else { *b * FRAC_1_PI };
+        let radiance = radiosity.iter().enumerate().map(shown).chain([Vec3::ZERO]);
+        let radiance = radiance.map(|l| l.max(Vec3::ZERO).extend(0.0).to_array()).collect();
         SeenLight { world, radiance, ignored }
     }
 
@@ -120,6 +117,39 @@ impl Met {
     pub fn reflected(&self, sample: usize, light: &SeenLight, out: &mut [Vec3]) {
         let seen = &self.elements[sample * out.len() * self.rays..][..out.len() * self.rays];
         light.reflected(seen, &self.extras[sample], out);
+    }
+
+    /// [`Self::reflected`] of up to [`BLOCK`] samples, side by side.
+    pub fn reflected_of(&self, samples: Range<usize>, light: &SeenLight, out: &mut [Lanes]) {
+        let bins = out.len();
+        let seen_by = |s: usize| &self.elements[s * bins * self.rays..][..bins * self.rays];
+        if self.rays > 1 {
+            let mut one = vec![Vec3::ZERO; bins];
+            for (lane, sample) in samples.enumerate() {
+                light.reflected(seen_by(sample), &self.extras[sample], &mut one);
+                spread(&one, lane, out);
+            }
+            return;
+        }
+        // Of all in turn for each bin, so that lanes are written once.
+        let seen: [&[u32]; BLOCK] =
+            std::array::from_fn(|i| seen_by((samples.start + i).min(samples.end - 1)));
+        for (bin, lanes) in out.iter_mut().enumerate() {
+            for (lane, seen) in seen.iter().enumerate() {
+                let [r, g, b, _] = light.of(seen[bin]);
+                (lanes[lane], lanes[BLOCK + lane], lanes[2 * BLOCK + lane]) = (r, g, b);
+            }
+        }
+        for (lane, extras) in self.extras[samples].iter().enumerate() {
+            for extra in extras {
+                let (lanes, radiance) = (&mut out[extra.bin as usize], light.extra(extra));
+                (0..3).for_each(|c| lanes[c * BLOCK + lane] += radiance[c]);
+            }
+            for extra in extras {
+                let lanes = &mut out[extra.bin as usize];
+                (0..3).for_each(|c| lanes[c * BLOCK + lane] = lanes[c * BLOCK + lane].max(0.0));
+            }
+        }
     }
 
     /// Adds the radiance of emitters that a sample's rays met, cd/m² per channel.
@@ -160,7 +190,8 @@ impl Transport {
             fills.apply(&mut table, bins.len());
             Arc::new(table)
         };
-        let indirect = self.solver.indirect(met.points(), |sample, out| met.reflected(sample, light, out));
+        let indirect =
+            self.solver.indirect(met.points(), |samples, out| met.reflected_of(samples, light, out));
         let direct = match before {
             Some(before) if before.holds_all(arrivals) => before.direct.clone(),
             _ => filled(self.solver.direct(met.points(), &light.heard(arrivals), |sample| {
@@ -211,28 +242,31 @@ impl SeenLight<'_> {
     pub fn reflected(&self, seen: &[u32], extras: &[Extra], out: &mut [Vec3]) {
         let rays = seen.len() / out.len();
         let share = 1.0 / rays as f32;
-        if rays == 1 {
-            for (out, &e) in out.iter_mut().zip(seen) {
-                *out = self.radiance.get(e as usize).map_or(Vec3::ZERO, |l| *l);
-            }
-        } else {
-            for (out, seen) in out.iter_mut().zip(seen.chunks_exact(rays)) {
-                *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + self.element(e)) * share;
-            }
+        for (out, seen) in out.iter_mut().zip(seen.chunks_exact(rays)) {
+            *out = seen.iter().fold(Vec3::ZERO, |s, &e| s + self.element(e)) * share;
         }
         for extra in extras {
-            let radiance = match extra.source {
-                Source::Element(e) => self.element(e),
-                Source::Emission(triangle, uv) => self.emitted(triangle, uv),
-            };
-            out[extra.bin as usize] += extra.factor * radiance;
+            out[extra.bin as usize] += self.extra(extra);
         }
         // A bright surface that an aimed ray takes over leaves a bin nothing, but for rounding.
         out.iter_mut().for_each(|l| *l = l.max(Vec3::ZERO));
     }
 
+    #[inline(always)]
+    fn of(&self, element: u32) -> [f32; 4] {
+        self.radiance[(element as usize).min(self.radiance.len() - 1)]
+    }
+
     fn element(&self, element: u32) -> Vec3 {
-        self.radiance.get(element as usize).copied().unwrap_or_default()
+        Vec3::from_slice(&self.of(element))
+    }
+
+    fn extra(&self, extra: &Extra) -> Vec3 {
+        extra.factor
+            * match extra.source {
+                Source::Element(e) => self.element(e),
+                Source::Emission(triangle, uv) => self.emitted(triangle, uv),
+            }
     }
 
     fn emitted(&self, triangle: u32, uv: Vec2) -> Vec3 {
@@ -254,26 +288,20 @@ impl Solver {
         self.quadrature.bins()
     }
 
-    /// Irradiance of `count` samples from the radiance that `radiance` writes, cd/m² one a bin.
-    pub fn indirect(&self, count: usize, radiance: impl Fn(usize, &mut [Vec3]) + Sync) -> Vec<Texel> {
+    /// Irradiance of `count` samples from the radiance, cd/m², that `radiance` writes of up to [`BLOCK`] of them.
+    pub fn indirect(&self, count: usize, radiance: impl Fn(Range<usize>, &mut [Lanes]) + Sync) -> Vec<Texel> {
         let bins = self.bins().len();
         let mut table = vec![Texel::default(); count * bins];
         table.par_chunks_mut(BLOCK * bins).enumerate().for_each_init(
-            || (vec![Vec3::ZERO; bins], vec![[0.0; LANES]; bins], vec![[0.0; LANES]; bins]),
-            |(one, seen, irradiance), (block, texels)| {
-                for s in 0..texels.len() / bins {
-                    radiance(block * BLOCK + s, one);
-                    for (lanes, l) in seen.iter_mut().zip(&*one) {
-                        (lanes[s], lanes[BLOCK + s], lanes[2 * BLOCK + s]) = (l.x, l.y, l.z);
+            || (vec![[0.0; LANES]; bins], self.quadrature.room()),
+            |(seen, room), (block, texels)| {
+                let (first, count) = (block * BLOCK, texels.len() / bins);
+                radiance(first..first + count, seen);
+                self.quadrature.each(seen, room, |bin, rgb| {
+                    for (sample, texel) in encode_eight(rgb).into_iter().take(count).enumerate() {
+                        texels[sample * bins + bin] = texel;
                     }
-                }
-                self.quadrature.irradiance(seen, irradiance);
-                for (bin, lanes) in irradiance.iter().enumerate() {
-                    let encoded = encode_eight(bytemuck::cast(*lanes));
-                    for (texels, encoded) in texels.chunks_exact_mut(bins).zip(encoded) {
-                        texels[bin] = encoded;
-                    }
-                }
+                });
             },
         );
         table
@@ -289,25 +317,25 @@ impl Solver {
         let bins = self.bins().len();
         let mut table = vec![Texel::default(); count * bins];
         table.par_chunks_mut(bins).enumerate().for_each_init(
-            || (Received::new(&self.centres), [(); 3].map(|()| vec![0.0; bins.next_multiple_of(8)])),
-            |(received, irradiance), (sample, texels)| {
+            Vec::new,
+            |all: &mut Vec<Arrival>, (sample, texels)| {
                 if let Some(kept) = kept(sample) {
                     return texels.copy_from_slice(kept);
                 }
-                if arrivals.iter().all(|a| a.of(sample).is_empty()) {
-                    return;
-                }
-                received.clear();
-                arrivals.iter().for_each(|emitter| received.add(emitter.of(sample)));
-                for (channel, irradiance) in irradiance.iter_mut().enumerate() {
-                    received.irradiance(channel, &mut irradiance[..bins]);
-                }
-                for (i, texels) in texels.chunks_mut(8).enumerate() {
-                    let eight = irradiance.each_ref().map(|channel| f32x8::from(&channel[8 * i..][..8]));
-                    texels.copy_from_slice(&encode_eight(eight)[..texels.len()]);
+                all.clear();
+                arrivals.iter().for_each(|emitter| all.extend(emitter.of(sample)));
+                if !all.is_empty() {
+                    self.centres.texels(all, texels);
                 }
             },
         );
         table
+    }
+}
+
+/// Puts one sample's radiance beside that of others.
+pub(super) fn spread(radiance: &[Vec3], lane: usize, out: &mut [Lanes]) {
+    for (lanes, l) in out.iter_mut().zip(radiance) {
+        (0..3).for_each(|c| lanes[c * BLOCK + lane] = l[c]);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::{
     IrradianceVolume, Sample, Tables, VolumeError, VolumeSettings,
-    cache::Solver,
+    cache::{Solver, spread},
     direct::Arrivals,
     directions::Directions,
     grid::BilevelGrid,
@@ -125,7 +125,9 @@ impl IrradianceVolume {
                 out.copy_from_slice(emitted);
             }
         };
-        let mut indirect = solver.indirect(count, reflected);
+        let mut indirect = solver.indirect(count, |samples, out| {
+            radiance.reflected[samples].iter().enumerate().for_each(|(lane, one)| spread(one, lane, out));
+        });
         for table in [&mut direct, &mut indirect] {
             fills.apply(table, bins.len());
         }

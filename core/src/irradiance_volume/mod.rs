@@ -43,6 +43,7 @@ pub mod harmonics;
 pub mod ignored;
 pub mod inspect;
 pub mod inspect_sampling;
+mod leaves;
 pub mod lighting;
 pub mod lobe;
 pub mod moments;

@@ -119,7 +119,7 @@ impl IrradianceVolume {
         let heard = seen.heard(&new);
         let mut tables = [&self.tables.direct, &self.tables.indirect].map(|t| t.to_vec());
         tables[0].extend(transport.solver.direct(met.points(), &heard, |_| None));
-        tables[1].extend(transport.solver.indirect(met.points(), |s, out| met.reflected(s, &seen, out)));
+        tables[1].extend(transport.solver.indirect(met.points(), |s, out| met.reflected_of(s, &seen, out)));
         let [direct, indirect] = tables.map(Arc::new);
         self.tables = Tables::new(bins, direct, indirect);
         for (all, new) in self.arrivals.iter_mut().zip(&new) {

@@ -7,7 +7,7 @@ use super::{
     moments::{Order, moment_by_definition, moment_of_arrivals},
     quadrature::{BLOCK, LANES, Quadrature},
     rays::{Targets, trace_point},
-    received::{Centres, Received},
+    received::Centres,
     solve::SurfaceLight,
 };
 use crate::{
@@ -135,22 +135,14 @@ impl Probe {
         }
         let mut out = vec![[0.0; LANES]; bins.len()];
         Quadrature::new(bins).irradiance(&lanes, &mut out);
-        let centres = Centres::new(bins);
-        let mut received = Received::new(&centres);
         let arrivals: Vec<Arrival> =
             world.emitters.list.iter().flat_map(|e| arrivals(world, e, position, settings)).collect();
-        received.add(&arrivals);
-        let [r, g, b] = [0, 1, 2].map(|channel| {
-            let mut irradiance = vec![0.0; bins.len()];
-            received.irradiance(channel, &mut irradiance);
-            irradiance
-        });
         Self {
             position,
             bins,
             radiance,
             reflected_radiance,
-            direct: (0..bins.len()).map(|i| Vec3::new(r[i], g[i], b[i])).collect(),
+            direct: Centres::new(bins).irradiance(&arrivals),
             indirect: out.iter().map(|o| Vec3::new(o[0], o[BLOCK], o[2 * BLOCK])).collect(),
             arrivals,
             back_face_fraction,

@@ -26,6 +26,9 @@ pub const LANES: usize = 3 * BLOCK;
 /// One bin's values in a block.
 pub type Lanes = [f32; LANES];
 
+/// Parts by parity, before and after their products.
+pub(super) type Room = [[Vec<Lanes>; 4]; 2];
+
 /// The factored matrix of Eq. 4.3, shared by all samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadrature {
@@ -106,53 +109,80 @@ impl Quadrature {
     /// # Panics
     /// If there is not one entry a bin on both sides.
     pub fn irradiance(&self, radiance: &[Lanes], out: &mut [Lanes]) {
+        assert_eq!(radiance.len(), out.len(), "one entry a bin");
+        self.each(radiance, &mut self.room(), |bin, rgb| out[bin] = bytemuck::cast(rgb));
+    }
+
+    /// Room that [`Self::each`] works in.
+    pub(super) fn room(&self) -> Room {
+        [(); 2].map(|()| [(); 4].map(|()| vec![[0.0; LANES]; self.half * self.half]))
+    }
+
+    /// As [`Self::irradiance`], bin by bin: its number, and of each channel the samples'. A bin on a mirror's plane
+    /// comes twice.
+    ///
+    /// # Panics
+    /// If there is not one entry a bin.
+    #[inline]
+    pub(super) fn each(
+        &self,
+        radiance: &[Lanes],
+        [split, parts]: &mut Room,
+        mut put: impl FnMut(usize, [f32x8; 3]),
+    ) {
         let (n, half) = (self.bins.n() as usize, self.half);
         let side = n * n;
-        assert!(radiance.len() == 2 * side && out.len() == 2 * side, "one entry a bin");
+        assert_eq!(radiance.len(), 2 * side, "one entry a bin");
         let (upper, lower) = radiance.split_at(side);
+        let of = |lanes: &Lanes| -> [f32x8; 3] { bytemuck::cast(*lanes) };
 
-        let mut vector = [[0.0f32; LANES]; 3];
+        let mut vector = [[f32x8::ZERO; 3]; 3];
         for (bin, centre) in self.centres.iter().enumerate() {
-            let (u, l) = (&upper[bin], &lower[side - 1 - bin]);
-            for lane in 0..LANES {
-                let difference = u[lane] - l[lane];
-                vector[0][lane] += centre.x * difference;
-                vector[1][lane] += centre.y * difference;
-                vector[2][lane] += centre.z * difference;
+            let (u, l) = (of(&upper[bin]), of(&lower[side - 1 - bin]));
+            for c in 0..3 {
+                let difference = u[c] - l[c];
+                for axis in 0..3 {
+                    vector[axis][c] = f32x8::splat(centre[axis]).mul_add(difference, vector[axis][c]);
+                }
             }
         }
 
         let quarter = half * half;
-        let mut split: [Vec<Lanes>; 4] = std::array::from_fn(|_| vec![[0.0; LANES]; quarter]);
         for b in 0..quarter {
-            let images = images(b % half, b / half, n);
-            let folded = images.map(|i| add(&upper[i], &lower[side - 1 - i]));
-            for (parity, part) in split.iter_mut().enumerate() {
-                let signs = [0, 1, 2, 3].map(|i| 0.25 * sign(parity, i));
-                part[b] = combined(signs, folded.each_ref());
+            let folded = images(b % half, b / half, n).map(|i| {
+                let (u, l) = (of(&upper[i]), of(&lower[side - 1 - i]));
+                [0, 1, 2].map(|c| f32x8::splat(0.25) * (u[c] + l[c]))
+            });
+            for (part, sum) in split.iter_mut().zip(mirrored(folded)) {
+                part[b] = bytemuck::cast(sum);
             }
         }
-
-        let mut parts: [Vec<Lanes>; 4] = std::array::from_fn(|_| vec![[0.0; LANES]; quarter]);
         for parity in 0..4 {
             product(&self.kernels[parity], &split[parity], &mut parts[parity]);
         }
 
         for a in 0..quarter {
-            let part = parts.each_ref().map(|part| &part[a]);
-            for (i, &image) in images(a % half, a / half, n).iter().enumerate() {
-                let (w, scale) = (self.centres[image], self.scale[image]);
-                let even = combined([0, 1, 2, 3].map(|parity| sign(parity, i)), part);
-                let (mut here, mut opposite) = ([0.0; LANES], [0.0; LANES]);
-                for lane in 0..LANES {
-                    let odd = w.x * vector[0][lane] + w.y * vector[1][lane] + w.z * vector[2][lane];
-                    here[lane] = (scale * (even[lane] + odd)).max(0.0);
-                    opposite[lane] = (scale * (even[lane] - odd)).max(0.0);
-                }
-                (out[image], out[2 * side - 1 - image]) = (here, opposite);
+            let evens = mirrored(parts.each_ref().map(|part| of(&part[a])));
+            for (even, image) in evens.into_iter().zip(images(a % half, a / half, n)) {
+                let (w, scale) = (self.centres[image], f32x8::splat(self.scale[image]));
+                let [x, y, z] = w.to_array().map(f32x8::splat);
+                let odd =
+                    [0, 1, 2].map(|c| x.mul_add(vector[0][c], y.mul_add(vector[1][c], z * vector[2][c])));
+                put(image, [0, 1, 2].map(|c| (scale * (even[c] + odd[c])).max(f32x8::ZERO)));
+                put(2 * side - 1 - image, [0, 1, 2].map(|c| (scale * (even[c] - odd[c])).max(f32x8::ZERO)));
             }
         }
     }
+}
+
+/// Values at a cell and its images, split into parts by parity; and the sum of such parts at the images.
+#[inline(always)]
+fn mirrored([a, b, c, d]: [[f32x8; 3]; 4]) -> [[f32x8; 3]; 4] {
+    let by = |f: fn(f32x8, f32x8) -> f32x8, g: fn(f32x8, f32x8) -> f32x8| {
+        [0, 1, 2].map(|i| f(g(a[i], b[i]), g(c[i], d[i])))
+    };
+    let (add, sub) = (|x, y| x + y, |x, y| x - y);
+    [by(add, add), by(add, sub), by(sub, add), by(sub, sub)]
 }
 
 /// A cell of the square and its mirror images: itself, in x, in z, in both.
@@ -166,28 +196,6 @@ fn images(column: usize, row: usize, n: usize) -> [usize; 4] {
 #[inline(always)]
 const fn sign(parity: usize, i: usize) -> f32 {
     if matches!(parity & i, 0 | 3) { 1.0 } else { -1.0 }
-}
-
-#[inline(always)]
-fn add(a: &Lanes, b: &Lanes) -> Lanes {
-    let mut sum = *a;
-    for (sum, b) in sum.iter_mut().zip(b) {
-        *sum += b;
-    }
-    sum
-}
-
-/// Σ signᵢ · partᵢ.
-#[inline(always)]
-fn combined(signs: [f32; 4], parts: [&Lanes; 4]) -> Lanes {
-    let mut sum = [0.0; LANES];
-    for (lane, sum) in sum.iter_mut().enumerate() {
-        *sum = signs[0] * parts[0][lane]
-            + signs[1] * parts[1][lane]
-            + signs[2] * parts[2][lane]
-            + signs[3] * parts[3][lane];
-    }
-    sum
 }
 
 /// Dense product, a few rows at a time so that the sums stay in registers.

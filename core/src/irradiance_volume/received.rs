@@ -3,81 +3,91 @@
 //! As in [`super::quadrature`], max(0, x) = (x + |x|) / 2: the x half of all arrivals together is a dot product
 //! with their vector irradiance Σ e d, and the |x| half is the same for opposite bins.
 
-use super::direct::Arrival;
+use super::{
+    codec::{Texel, encode_eight},
+    direct::Arrival,
+};
 use crate::math::sphere_map::DirectionBins;
 use glam::Vec3;
+use wide::f32x8;
 
-/// Centres of the upper bins, one array an axis.
+/// Centres of the upper bins, eight together.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Centres([Vec<f32>; 3]);
-
-impl Centres {
-    /// Of some bins.
-    pub fn new(bins: DirectionBins) -> Self {
-        let upper = bins.len() / 2;
-        Self(std::array::from_fn(|axis| (0..upper).map(|b| bins.centre(b)[axis]).collect()))
-    }
-}
-
-/// What arrives at a point, being summed.
-pub(super) struct Received<'a> {
-    centres: &'a Centres,
-    /// Σ e d of each channel, lx.
-    vectors: [Vec3; 3],
-    /// Σ e |ω·d| of each channel in the upper bins, lx.
-    even: [Vec<f32>; 3],
+pub(super) struct Centres {
+    /// Coordinates; zeros past the last bin.
+    eights: Vec<[f32x8; 3]>,
+    /// Upper bins.
+    count: usize,
 }
 
 /// Share of all that arrives below which a bin holds nothing but rounding.
 const ROUNDING: f32 = 1e-6;
 
-impl<'a> Received<'a> {
-    /// Nothing yet.
-    pub fn new(centres: &'a Centres) -> Self {
-        let even = [(); 3].map(|()| vec![0.0; centres.0[0].len()]);
-        Self { centres, vectors: [Vec3::ZERO; 3], even }
+impl Centres {
+    /// Of some bins.
+    pub fn new(bins: DirectionBins) -> Self {
+        let count = bins.len() / 2;
+        let coordinate = |bin: usize, axis: usize| if bin < count { bins.centre(bin)[axis] } else { 0.0 };
+        let eight = |i: usize| {
+            [0, 1, 2].map(|axis| f32x8::new(std::array::from_fn(|lane| coordinate(8 * i + lane, axis))))
+        };
+        Self { eights: (0..count.div_ceil(8)).map(eight).collect(), count }
     }
 
-    /// Nothing again.
-    pub fn clear(&mut self) {
-        self.vectors = [Vec3::ZERO; 3];
-        self.even.iter_mut().for_each(|channel| channel.fill(0.0));
-    }
-
-    /// Adds what arrives.
-    pub fn add(&mut self, arrivals: &[Arrival]) {
-        let Centres([x, y, z]) = self.centres;
-        let [red, green, blue] = &mut self.even;
-        let count = x.len();
-        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        let (red, green, blue) = (&mut red[..count], &mut green[..count], &mut blue[..count]);
-        for Arrival { direction: d, normal_irradiance: e } in arrivals {
-            for (channel, vector) in self.vectors.iter_mut().enumerate() {
-                *vector += e[channel] * *d;
+    /// Irradiance of every bin, lx per channel.
+    pub fn irradiance(&self, arrivals: &[Arrival]) -> Vec<Vec3> {
+        let mut out = vec![Vec3::ZERO; 2 * self.count];
+        self.each(arrivals, |first, sides| {
+            for (rgb, opposite) in sides.into_iter().zip([false, true]) {
+                let rgb = rgb.map(f32x8::to_array);
+                for i in 0..(self.count - first).min(8) {
+                    let bin = if opposite { 2 * self.count - 1 - first - i } else { first + i };
+                    out[bin] = Vec3::from_array(rgb.map(|channel| channel[i]));
+                }
             }
-            for i in 0..count {
-                let cosine = d.x.mul_add(x[i], d.y.mul_add(y[i], d.z * z[i])).abs();
-                red[i] = e.x.mul_add(cosine, red[i]);
-                green[i] = e.y.mul_add(cosine, green[i]);
-                blue[i] = e.z.mul_add(cosine, blue[i]);
+        });
+        out
+    }
+
+    /// [`Self::irradiance`], encoded.
+    ///
+    /// # Panics
+    /// If there is not one texel a bin.
+    pub fn texels(&self, arrivals: &[Arrival], out: &mut [Texel]) {
+        assert_eq!(out.len(), 2 * self.count, "one texel a bin");
+        let (upper, lower) = out.split_at_mut(self.count);
+        self.each(arrivals, |first, [here, opposite]| {
+            let count = (self.count - first).min(8);
+            upper[first..][..count].copy_from_slice(&encode_eight(here)[..count]);
+            let lower = &mut lower[self.count - first - count..][..count];
+            lower.iter_mut().rev().zip(encode_eight(opposite)).for_each(|(texel, e)| *texel = e);
+        });
+    }
+
+    /// Irradiance by channel of eight bins from the `first` on, and of the bins opposite to these.
+    #[inline(always)]
+    fn each(&self, arrivals: &[Arrival], mut put: impl FnMut(usize, [[f32x8; 3]; 2])) {
+        let mut vectors = [Vec3::ZERO; 3];
+        for Arrival { direction, normal_irradiance } in arrivals {
+            for (channel, vector) in vectors.iter_mut().enumerate() {
+                *vector += normal_irradiance[channel] * *direction;
             }
         }
-    }
-
-    /// Irradiance of every bin, lx, in one channel.
-    pub fn irradiance(&self, channel: usize, out: &mut [f32]) {
-        let Centres([x, y, z]) = self.centres;
-        let (even, v) = (&self.even[channel], self.vectors[channel]);
-        let (upper, lower) = out.split_at_mut(even.len());
-        let whole = v.length();
-        for (((upper, lower), even), ((x, y), z)) in
-            upper.iter_mut().zip(lower.iter_mut().rev()).zip(even).zip(x.iter().zip(y).zip(z))
-        {
-            let odd = v.x.mul_add(*x, v.y.mul_add(*y, v.z * z));
-            let least = ROUNDING * (even + whole);
-            let [here, opposite] = [0.5 * (even + odd), 0.5 * (even - odd)];
-            *upper = if here > least { here } else { 0.0 };
-            *lower = if opposite > least { opposite } else { 0.0 };
+        let by = f32x8::splat;
+        let wholes = vectors.map(|v| by(v.length()));
+        let dot = |v: &Vec3, [x, y, z]: &[f32x8; 3]| by(v.x).mul_add(*x, by(v.y).mul_add(*y, by(v.z) * *z));
+        for (i, centres) in self.eights.iter().enumerate() {
+            let mut even = [f32x8::ZERO; 3];
+            for Arrival { direction, normal_irradiance: e } in arrivals {
+                let cosine = dot(direction, centres).abs();
+                even = [0, 1, 2].map(|c| by(e[c]).mul_add(cosine, even[c]));
+            }
+            let odd = vectors.each_ref().map(|v| dot(v, centres));
+            let least = [0, 1, 2].map(|c| by(ROUNDING) * (even[c] + wholes[c]));
+            let above = |v: f32x8, least: f32x8| v.simd_gt(least).select(v, f32x8::ZERO);
+            let side =
+                |sign: f32| [0, 1, 2].map(|c| above(by(0.5) * by(sign).mul_add(odd[c], even[c]), least[c]));
+            put(8 * i, [side(1.0), side(-1.0)]);
         }
     }
 }
@@ -85,14 +95,16 @@ impl<'a> Received<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{frame::uniform_direction, random::Rng};
+    use crate::{
+        irradiance_volume::codec::encode_rgb,
+        math::{frame::uniform_direction, random::Rng},
+    };
 
     #[test]
     fn irradiance_of_bins_is_the_sum_of_clamped_cosines() {
         for n in [1, 2, 9, 17] {
             let bins = DirectionBins::new(n);
             let centres = Centres::new(bins);
-            let mut received = Received::new(&centres);
             for count in [1, 12] {
                 let arrivals: Vec<Arrival> = (0..count)
                     .map(|i| {
@@ -102,16 +114,16 @@ mod tests {
                         Arrival { direction, normal_irradiance }
                     })
                     .collect();
-                received.clear();
-                received.add(&arrivals);
-                for channel in 0..3 {
-                    let mut out = vec![f32::NAN; bins.len()];
-                    received.irradiance(channel, &mut out);
-                    for (bin, found) in out.into_iter().enumerate() {
+                let found = centres.irradiance(&arrivals);
+                let mut texels = vec![[u16::MAX; 4]; bins.len()];
+                centres.texels(&arrivals, &mut texels);
+                for (bin, found) in found.into_iter().enumerate() {
+                    assert_eq!(texels[bin], encode_rgb(found), "{n} {bin}");
+                    for channel in 0..3 {
                         let of = |a: &Arrival| {
                             a.normal_irradiance[channel] * bins.centre(bin).dot(a.direction).max(0.0)
                         };
-                        let wanted: f32 = arrivals.iter().map(of).sum();
+                        let (found, wanted) = (found[channel], arrivals.iter().map(of).sum::<f32>());
                         assert!((found - wanted).abs() < 2e-6 * count as f32, "{n} {bin}: {found} {wanted}");
                         assert!(wanted > 0.0 || found == 0.0, "light in the dark: {n} {bin} {found}");
                     }

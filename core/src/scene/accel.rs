@@ -5,6 +5,10 @@
 //! gaps between them. A moved object costs a new matrix and the small tree over all movable objects,
 //! not a new tree of its own.
 
+mod shaft;
+
+pub use shaft::Shaft;
+
 use super::{
     geometry::Geometry,
     watertight::{Shear, slab_ray},
