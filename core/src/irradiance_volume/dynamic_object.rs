@@ -206,7 +206,7 @@ impl DynamicObject {
         (mix(geometry.positions[t]), mix(geometry.normals[t]).normalize_or(Vec3::Y))
     }
 
-    /// Queries that a level asks of the volume, for one part and side.
+    /// Queries that a level asks of the volume, for one side; each finds both parts of the light.
     pub fn queries(&self, detail: Detail) -> usize {
         match detail {
             Detail::Coarse => self.asked.len(),
@@ -234,11 +234,18 @@ impl DynamicObject {
         side: f32,
         detail: Detail,
     ) -> Vec<[Vec3; 2]> {
-        let mut light = self.asked(geometry, object, side, detail, |position, normal| match wanted {
-            [true, true] => volume.irradiance_parts(position, normal),
-            [true, false] => [volume.irradiance(position, normal, Part::Direct), Vec3::ZERO],
-            [false, true] => [Vec3::ZERO, volume.irradiance(position, normal, Part::Indirect)],
-            [false, false] => [Vec3::ZERO; 2],
+        let mut light = self.asked(geometry, object, side, detail, |queries| {
+            let of = |part| {
+                let mut found = vec![Vec3::ZERO; queries.len()];
+                volume.irradiance_many(queries, part, &mut found);
+                found.into_iter()
+            };
+            match wanted {
+                [true, true] => volume.irradiance_parts_many(queries),
+                [true, false] => of(Part::Direct).map(|e| [e, Vec3::ZERO]).collect(),
+                [false, true] => of(Part::Indirect).map(|e| [Vec3::ZERO, e]).collect(),
+                [false, false] => vec![[Vec3::ZERO; 2]; queries.len()],
+            }
         });
         let back = usize::from(side < 0.0);
         light.iter_mut().zip(&self.open).for_each(|(e, open)| e[1] *= open[back]);
@@ -258,37 +265,43 @@ impl DynamicObject {
         detail: Detail,
         gloss: &Gloss,
     ) -> Vec<[Vec3; 2]> {
-        self.asked(geometry, object, side, detail, |position, normal| {
-            let towards = gloss.towards(position, normal);
-            let [direct, indirect] = volume.moment_parts(position, towards, gloss.order).unwrap_or_default();
-            [if wanted[0] { direct } else { Vec3::ZERO }, if wanted[1] { indirect } else { Vec3::ZERO }]
-        })
+        let answer = |&(position, normal): &(Vec3, Vec3)| {
+            let (towards, order) = (gloss.towards(position, normal), gloss.order);
+            let of = |part| volume.moment(position, towards, order, part).unwrap_or_default();
+            match wanted {
+                [true, true] => volume.moment_parts(position, towards, order).unwrap_or_default(),
+                [true, false] => [of(Part::Direct), Vec3::ZERO],
+                [false, true] => [Vec3::ZERO, of(Part::Indirect)],
+                [false, false] => [Vec3::ZERO; 2],
+            }
+        };
+        self.asked(geometry, object, side, detail, |queries| queries.par_iter().map(answer).collect())
     }
 
-    /// What every node is answered, (position, normal) on one side, by a level of detail.
+    /// What every node is answered by a level of detail; `answer` gets (position, normal) on one side.
     fn asked(
         &self,
         geometry: &Geometry,
         object: usize,
         side: f32,
         detail: Detail,
-        query: impl Fn(Vec3, Vec3) -> [Vec3; 2] + Sync,
+        answer: impl Fn(&[(Vec3, Vec3)]) -> Vec<[Vec3; 2]>,
     ) -> Vec<[Vec3; 2]> {
         // Of direct and indirect light alike.
         fn mixed<const N: usize>(light: [([Vec3; 2], f32); N]) -> [Vec3; 2] {
             [0, 1].map(|part| light.iter().fold(Vec3::ZERO, |sum, (of, weight)| sum + of[part] * *weight))
         }
         let first = geometry.object_triangles[object].start;
-        let ask = |node: usize| {
+        let query = |node: usize| {
             let (position, normal) = self.place(geometry, first, node);
-            query(position, normal * side)
+            (position, normal * side)
         };
-        let all = |nodes: usize| -> Vec<[Vec3; 2]> { (0..nodes).into_par_iter().map(ask).collect() };
+        let all = |nodes: usize| answer(&(0..nodes).into_par_iter().map(query).collect::<Vec<_>>());
         let mut light = match detail {
             Detail::Fine | Detail::Pixels => all(self.places.len()),
             Detail::Vertices => all(self.vertices),
             Detail::Coarse => {
-                let asked: Vec<[Vec3; 2]> = self.asked.par_iter().map(|&v| ask(v as usize)).collect();
+                let asked = answer(&self.asked.par_iter().map(|&v| query(v as usize)).collect::<Vec<_>>());
                 let blend =
                     |b: &[(u32, f32); 4]| mixed(b.map(|(entry, weight)| (asked[entry as usize], weight)));
                 self.blends.par_iter().map(blend).collect()

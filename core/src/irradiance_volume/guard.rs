@@ -122,6 +122,12 @@ impl Guard {
         sight.look(point, find)
     }
 
+    /// Samples of a cell that see a point of it, a bit each, where that is known.
+    #[inline(always)]
+    pub(super) fn known(&self, cell: u32, point: Vec3) -> Option<u8> {
+        self.cells[cell as usize].sight.get()?.known(point)
+    }
+
     /// Whether nothing that stands lies between a sample and a point, ends not counted; what hides one
     /// sample of a point is asked first about the next.
     pub(super) fn sees(&self, sample: Vec3, point: Vec3, blockers: &mut Blockers) -> bool {

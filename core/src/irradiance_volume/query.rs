@@ -8,7 +8,7 @@ use super::{
     harmonics,
     moments::Order,
     pockets::POCKET_LEVEL,
-    visibility::PointState,
+    visibility::{PointState, shared},
 };
 use crate::{
     math::part::Part,
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 use glam::{Vec3, Vec4, Vec4Swizzles};
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 /// Which samples light a point, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,9 +206,15 @@ impl IrradianceVolume {
         let weights = if valid == u8::MAX { corners.weights } else { usable(corners.weights, valid) };
         let corners = Corners { weights, ..corners };
         let (low, high) = self.grid.bounds();
-        let inside = (position.cmpge(low) & position.cmple(high)).all();
-        if inside && self.guard.as_ref().is_none_or(|g| g.is_open(cell)) {
-            return corners;
+        if (position.cmpge(low) & position.cmple(high)).all() {
+            match self.guard.as_ref().filter(|g| !g.is_open(cell)) {
+                None => return corners,
+                Some(guard) => {
+                    if let Some(seen) = guard.known(cell, position) {
+                        return Corners { weights: shared(corners.weights, seen, valid), ..corners };
+                    }
+                }
+            }
         }
         self.careful(position, corners, cell, valid).corners
     }
@@ -257,19 +263,25 @@ impl IrradianceVolume {
     #[inline(always)]
     pub(super) fn between_bins(&self, tables: Summed, corners: &Corners, between: &BinWeights) -> Vec3 {
         let stride = self.bins().len();
+        let bins = between.bins.map(usize::from);
+        assert!(bins.iter().all(|b| *b < stride), "a bin of its own");
+        let shares = Vec4::from_array(between.weights) * SCALE;
+        let shares: f32x8 = bytemuck::cast([shares.xxyy(), shares.zzww()]);
         let mut total = Vec3::ZERO;
         for table in tables.into_iter().flatten() {
             let mut sums = [f32x8::ZERO; 2];
             for (id, weight) in corners.ids.iter().zip(corners.weights) {
                 let sample = &table[*id as usize * stride..][..stride];
-                let [red_blue, green] = unscaled(between.bins.map(|b| sample[b as usize]));
+                let [red_blue, green] = unscaled(bins.map(|b| sample[b]));
                 let weight = f32x8::splat(weight);
                 sums = [red_blue.mul_add(weight, sums[0]), green.mul_add(weight, sums[1])];
             }
-            let [rb, g] = sums.map(f32x8::to_array);
-            for (i, weight) in between.weights.into_iter().enumerate() {
-                total += Vec3::new(rb[2 * i], g[2 * i], rb[2 * i + 1]) * (weight * SCALE);
-            }
+            let [rb, g] = sums.map(|sum| {
+                let [low, high]: [Vec4; 2] = bytemuck::cast(sum * shares);
+                let both = low + high;
+                both + both.zwxy()
+            });
+            total += Vec3::new(rb.x, g.x, rb.y);
         }
         total
     }
@@ -311,14 +323,26 @@ fn of_part<'a>([direct, indirect]: [&'a [Texel]; 2], part: Part) -> Summed<'a> {
 
 /// Weights without the samples that are not valid, summing to 1 again; all of them where none is.
 pub(super) fn usable(weights: [f32; 8], valid: u8) -> [f32; 8] {
-    let kept: [f32; 8] = std::array::from_fn(|i| if valid >> i & 1 == 1 { weights[i] } else { 0.0 });
-    let sum: f32 = kept.iter().sum();
-    if sum > 0.0 {
-        return kept.map(|w| w / sum);
+    // The point may lie on a face, edge or corner whose samples are all inside solids: the others, alike.
+    kept(&weights, valid).unwrap_or_else(|| if valid == 0 { weights } else { alike(valid) })
+}
+
+/// Weights of the samples named by a bit each, summing to 1: unchanged where the others weigh nothing. `None` where
+/// the named weigh nothing.
+#[inline(always)]
+pub(super) fn kept(weights: &[f32; 8], named: u8) -> Option<[f32; 8]> {
+    let bits = u32x8::new([1, 2, 4, 8, 16, 32, 64, 128]);
+    let weights = f32x8::new(*weights);
+    let mask: f32x8 = bytemuck::cast((u32x8::splat(named.into()) & bits).simd_eq(bits));
+    let kept = mask & weights;
+    if !kept.simd_ne(weights).any() {
+        return Some(weights.to_array());
     }
-    // The point lies on a face, edge or corner whose samples are all inside solids: the others, alike.
-    match valid.count_ones() {
-        0 => weights,
-        n => std::array::from_fn(|i| f32::from(valid >> i & 1) / n as f32),
-    }
+    let sum = kept.reduce_add();
+    (sum > 0.0).then(|| (kept / f32x8::splat(sum)).to_array())
+}
+
+/// The same weight for every sample named by a bit.
+pub(super) fn alike(named: u8) -> [f32; 8] {
+    std::array::from_fn(|i| f32::from(named >> i & 1) / named.count_ones() as f32)
 }

@@ -2,8 +2,8 @@
 //!
 //! A cell is cut into 8³ leaves. What samples see of a leaf that nothing stands in is found at its middle by the
 //! first query that comes there, and holds for all its points: where a sample comes into sight is known to
-//! half a leaf. A leaf in which triangles of one plane or two stand is cut along those planes first, so that
-//! nothing is ever taken from behind a thin wall; one with more planes is cut into 4³ smaller ones. Only what
+//! half a leaf. A leaf in which triangles of up to three planes stand is cut along those planes first, so
+//! that nothing is ever taken from behind a thin wall; one with more planes is cut into 4³ smaller ones. Only what
 //! has more planes still, and points on a plane, are asked by rays each time.
 //!
 //! What is remembered depends on the leaf alone, not on the query that came first.
@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Leaves along each edge of a cell, and smaller ones along each edge of a leaf.
 const LEAVES: [u32; 2] = [8, 4];
 /// Planes that a leaf is cut along at most.
-const PLANES: usize = 2;
-/// Places along each edge of a leaf, one of which speaks for each side.
-const PLACES: u32 = 4;
+const PLANES: usize = 3;
+/// Places along each edge of a leaf, one of which speaks for each side: more where a side is thin.
+const PLACES: [u32; 2] = [4, 16];
 /// Share of a leaf's shortest edge: nearer to a plane than this, a point lies on it.
 const THIN: f32 = 1e-3;
 
@@ -69,10 +69,19 @@ impl Look {
 
 /// A leaf cut along planes.
 struct Cut {
-    /// Unit normal and offset of each; the second may be [`NO_PLANE`].
+    /// Unit normal and offset of each; the last may be [`NO_PLANE`].
     planes: [Vec4; PLANES],
     /// Code of each side, or [`UNKNOWN`].
     sides: [AtomicU32; 1 << PLANES],
+}
+
+/// Where is remembered what is known of a point.
+struct Slot<'a> {
+    part: &'a Sight,
+    leaf: Vec3,
+    /// Of which `code` is a side.
+    cut: Option<&'a Cut>,
+    code: &'a AtomicU32,
 }
 
 /// What is known of a cell, or of a leaf of it.
@@ -82,6 +91,8 @@ pub(super) struct Sight {
     count: u32,
     /// Leaves a metre.
     scale: Vec3,
+    /// Nearer to a plane than this a point lies on it, m.
+    thin: f32,
     /// Code of each leaf, x fastest: of what is seen, [`UNKNOWN`], or [`CUT`] or [`FINER`] with a number.
     leaves: Box<[AtomicU32]>,
     cuts: Vec<Cut>,
@@ -111,8 +122,9 @@ impl Sight {
         let leaves = filled(low, step, count, triangles).into_iter().zip(0..).map(|(leaf, number)| {
             AtomicU32::new(match leaf.planes[..] {
                 [] => UNKNOWN,
-                [a] => cut(&mut cuts, [a, NO_PLANE]),
-                [a, b] => cut(&mut cuts, [a, b]),
+                [a] => cut(&mut cuts, [a, NO_PLANE, NO_PLANE]),
+                [a, b] => cut(&mut cuts, [a, b, NO_PLANE]),
+                [a, b, c] => cut(&mut cuts, [a, b, c]),
                 _ if depth + 1 < LEAVES.len() => {
                     let triangles: Vec<_> = leaf.triangles.iter().map(|&t| triangles[t as usize]).collect();
                     let bounds = [corner(number), corner(number) + step];
@@ -123,38 +135,50 @@ impl Sight {
             })
         });
         let leaves = leaves.collect();
-        Self { low, count, scale: step.recip(), leaves, cuts, finer }
+        Self { low, count, scale: step.recip(), thin: THIN * step.min_element(), leaves, cuts, finer }
     }
 
     /// What is known of a point; `find` tells what holds at a place of a leaf that nobody asked of before.
-    #[inline]
     pub fn look(&self, point: Vec3, find: impl Fn(Vec3) -> Look) -> Look {
-        let (mut part, mut at) = (self, self.leaf(point));
-        let mut code = part.leaves[number(at, part.count)].load(Ordering::Relaxed);
-        while code >= FINER {
-            part = &part.finer[(code - FINER) as usize];
-            at = part.leaf(point);
-            code = part.leaves[number(at, part.count)].load(Ordering::Relaxed);
-        }
-        if code == UNKNOWN {
-            let middle = part.low + (at + 0.5) / part.scale;
-            return remember(&part.leaves[number(at, part.count)], find(middle));
-        }
-        if code < CUT {
-            return Look::of(code);
-        }
-        let Cut { planes, sides } = &part.cuts[(code - CUT) as usize];
-        let thin = THIN / part.scale.max_element();
-        if planes.iter().any(|p| distance(*p, point).abs() <= thin) {
-            return Look::Ask;
-        }
-        let side = &sides[side(planes, point)];
-        match side.load(Ordering::Relaxed) {
+        let Some(Slot { part, leaf, cut, code }) = self.slot(point) else { return Look::Ask };
+        match code.load(Ordering::Relaxed) {
             UNKNOWN => {
-                let found = part.place(at, planes, point).map_or(Look::Ask, find);
-                remember(side, found)
+                let place = match cut {
+                    Some(cut) => part.place(leaf, &cut.planes, point),
+                    None => Some(part.low + (leaf + 0.5) / part.scale),
+                };
+                remember(code, place.map_or(Look::Ask, find))
             }
             code => Look::of(code),
+        }
+    }
+
+    /// Samples that see a point, where that is known.
+    #[inline(always)]
+    pub fn known(&self, point: Vec3) -> Option<u8> {
+        let code = self.slot(point)?.code.load(Ordering::Relaxed);
+        (code & NOTHING == SAMPLES).then_some(code as u8)
+    }
+
+    /// Where is remembered what is known of a point; nowhere for one on a plane.
+    #[inline(always)]
+    fn slot(&self, point: Vec3) -> Option<Slot<'_>> {
+        let mut part = self;
+        loop {
+            let leaf = part.leaf(point);
+            let code = &part.leaves[number(leaf, part.count)];
+            let found = code.load(Ordering::Relaxed);
+            if found < CUT {
+                return Some(Slot { part, leaf, cut: None, code });
+            }
+            if found < FINER {
+                let cut = &part.cuts[(found - CUT) as usize];
+                let away = cut.planes.map(|p| distance(p, point));
+                let side = side(away);
+                let on = away.iter().any(|d| d.abs() <= part.thin);
+                return (!on).then_some(Slot { part, leaf, cut: Some(cut), code: &cut.sides[side] });
+            }
+            part = &part.finer[(found - FINER) as usize];
         }
     }
 
@@ -176,11 +200,14 @@ impl Sight {
     /// The place of a leaf that is farthest from its planes on the side of a point; `None` where a side is too
     /// thin to have one.
     fn place(&self, leaf: Vec3, planes: &[Vec4; PLANES], point: Vec3) -> Option<Vec3> {
-        let wanted = side(planes, point);
-        let at = |i: u32| self.low + (leaf + (place(i, PLACES) + 0.5) / PLACES as f32) / self.scale;
-        let places = (0..PLACES.pow(3)).map(at);
+        let side_of = |p: Vec3| side(planes.map(|k| distance(k, p)));
+        let wanted = side_of(point);
         let free = |p: Vec3| planes.iter().map(|k| distance(*k, p).abs()).fold(f32::INFINITY, f32::min);
-        places.filter(|p| side(planes, *p) == wanted).max_by(|a, b| free(*a).total_cmp(&free(*b)))
+        PLACES.into_iter().find_map(|count| {
+            let at = |i: u32| self.low + (leaf + (place(i, count) + 0.5) / count as f32) / self.scale;
+            let places = (0..count.pow(3)).map(at).filter(|p| side_of(*p) == wanted);
+            places.max_by(|a, b| free(*a).total_cmp(&free(*b)))
+        })
     }
 }
 
@@ -239,7 +266,8 @@ fn distance(plane: Vec4, point: Vec3) -> f32 {
     plane.dot(point.extend(1.0))
 }
 
+/// On which side of each plane, of the distances from them.
 #[inline(always)]
-fn side(planes: &[Vec4; PLANES], point: Vec3) -> usize {
-    planes.iter().enumerate().fold(0, |s, (i, p)| s | usize::from(distance(*p, point) > 0.0) << i)
+fn side(away: [f32; PLANES]) -> usize {
+    away.into_iter().enumerate().fold(0, |s, (i, d)| s | usize::from(d > 0.0) << i)
 }

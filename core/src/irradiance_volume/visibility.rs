@@ -19,7 +19,7 @@ use super::{
     IrradianceVolume, VolumeSettings,
     grid::{Cell, NONE, trilinear},
     guard::{Guard, MARGIN},
-    query::{Corners, usable},
+    query::{Corners, alike, kept, usable},
     sight::Look,
 };
 use crate::scene::{accel::Blockers, world::World};
@@ -210,19 +210,10 @@ impl IrradianceVolume {
     }
 }
 
-/// Weights shared among the samples that see a point, of which one is usable at least.
-fn shared(weights: [f32; 8], seen: u8, usable: u8) -> [f32; 8] {
-    let bit = |bits: u8, i: usize| f32::from(bits >> i & 1);
-    if (0..8).all(|i| weights[i] == 0.0 || seen >> i & 1 == 1) {
-        // As without a guard, to the last bit.
-        return weights;
-    }
-    let kept: [f32; 8] = std::array::from_fn(|i| bit(seen, i) * weights[i]);
-    let sum: f32 = kept.iter().sum();
-    if sum > 0.0 {
-        return kept.map(|w| w / sum);
-    }
+/// Weights shared among the samples that see a point, of which one is usable at least: as without a guard, to the
+/// last bit, where the others weigh nothing.
+#[inline(always)]
+pub(super) fn shared(weights: [f32; 8], seen: u8, usable: u8) -> [f32; 8] {
     // On a face whose samples are hidden: the others of the cell, alike.
-    let may = seen & usable;
-    std::array::from_fn(|i| bit(may, i) / may.count_ones() as f32)
+    kept(&weights, seen).unwrap_or_else(|| alike(seen & usable))
 }

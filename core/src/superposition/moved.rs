@@ -27,7 +27,7 @@ pub struct MovedLight {
     pub entries: Vec<[[Vec3; 2]; 2]>,
     /// Objects whose direct light is always that of the entries, never evaluated at a pixel.
     pub stored_direct: BTreeSet<u32>,
-    /// Queries made, all parts and sides.
+    /// Queries made, all sides; one finds both parts of the light.
     pub queries: usize,
 }
 
@@ -84,7 +84,7 @@ impl MovedLight {
                 return vec![[Vec3::ZERO; 2]; known.places.len()];
             };
             let detail = solution.detail;
-            self.queries += known.queries(detail) * wanted.into_iter().filter(|w| *w).count();
+            self.queries += known.queries(detail);
             // A volume of its own that a guest is lit by may hold other orders: it is matt then.
             match solution.gloss.as_ref().filter(|g| volume.orders().contains(&g.order)) {
                 Some(gloss) => known.moments(volume, geometry, object, wanted, side, detail, gloss),
