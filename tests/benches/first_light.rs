@@ -91,13 +91,16 @@ fn solving(criterion: &mut Criterion, path: &Path, scene: &Scene, plan: &Plan) {
         let radiosities = [world, &shifted].map(|w| radiosity.relight(w, &[lamp], 16, 100));
         let (mut relit, mut step) = (volume.clone(), 0);
         for (state, moving) in [("while it moves", &[lamp][..]), ("at rest", &[])] {
-            group.bench_function(format!("volume relit from cached hits, {name} {state} (goal 30 ms)"), |b| {
-                b.iter(|| {
-                    step += 1;
-                    let world = [world, &shifted][step % 2];
-                    relit = relit.relight_moving(world, &radiosities[step % 2], &[lamp], moving);
-                });
-            });
+            group.bench_function(
+                format!("volume relit from cached hits, {name} {state} (goal 30 ms)"),
+                |b| {
+                    b.iter(|| {
+                        step += 1;
+                        let world = [world, &shifted][step % 2];
+                        relit = relit.relight_moving(world, &radiosities[step % 2], &[lamp], moving);
+                    });
+                },
+            );
         }
     }
     let unguarded = volume.with_guard(None);

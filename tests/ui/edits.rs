@@ -49,6 +49,31 @@ fn a_dropped_model_is_added_as_a_movable_object() {
 }
 
 #[test]
+fn the_panel_says_what_glass_passes() {
+    let mut window = Window::empty();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/glass/glass.ron");
+    window.run(Command::Open(path));
+    window.wait("the scene", |app| app.session().scene.is_some());
+    let named = |window: &Window, name: &str| {
+        Some(Target::Object(window.scene().objects.iter().position(|o| o.name == name).unwrap()))
+    };
+    // Base colours of the file, all of it passing, by the front and the back; the back wall is plain.
+    for (object, said) in [
+        ("Pane", "glass, passes 0.95 0.66 0.25, both sides"),
+        ("Ball", "glass, passes 0.98 0.99 0.98, both sides"),
+    ] {
+        let selected = named(&window, object);
+        window.run(Command::View(Box::new(View { selected, ..window.view() })));
+        window.wait_for_label(said);
+    }
+    let selected = named(&window, "Back wall");
+    window.run(Command::View(Box::new(View { selected, ..window.view() })));
+    window.harness.run_steps(2);
+    assert!(window.harness.query_by_label_contains("glass, passes").is_none());
+    assert!(window.harness.query_by_label_contains("ρ ").is_some());
+}
+
+#[test]
 fn a_session_is_saved_and_reopened_and_pictures_are_exported() {
     let mut window = Window::on_room();
     window.run(Command::Dim { target: Target::Lamp(0), dimmer: 0.25, dragging: false });

@@ -5,7 +5,7 @@
 //! while they are near, where each for itself would fetch eight of them from afar. Each answer is to the last bit
 //! that of a query alone.
 
-use super::{Basis, IrradianceVolume, query::Corners};
+use super::{Basis, IrradianceVolume, grid::trilinear, query::Corners};
 use crate::math::part::Part;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -70,9 +70,11 @@ impl IrradianceVolume {
         }
     }
 
-    /// The order in which queries come cell by cell; `None` where they are few, or mostly do already.
+    /// The order in which queries come cell by cell; `None` where they are few, mostly do already, or ask so little
+    /// that all of it is near.
     fn cell_by_cell(&self, queries: &[Query]) -> Option<Vec<u32>> {
-        if queries.len() < MANY {
+        let little = self.settings.basis == Basis::Harmonics && self.guard.is_none();
+        if queries.len() < MANY || little {
             return None;
         }
         let mut cells = Vec::with_capacity(queries.len());
@@ -133,11 +135,10 @@ impl IrradianceVolume {
     fn corners_of(&self, queries: &[Query], points: &[[f32; AHEAD]; 3], out: &mut [Corners; AHEAD]) {
         let at = self.grid.locate_each(points);
         let cells = self.grid.cells();
-        let weights = at.trilinear();
         for (i, (corners, (position, _))) in out.iter_mut().zip(queries).enumerate() {
             let cell = at.cell[i];
             corners.ids = cells[cell as usize].samples;
-            corners.weights = weights.each_ref().map(|w| w[i]);
+            corners.weights = trilinear(at.of(i).offset);
             if !self.is_plain(*position, cell) {
                 *corners = self.corrected(*position, cell, *corners);
             }

@@ -4,7 +4,7 @@
 //! is taken to leave an entry. [`IrradianceVolume::bytes`](super::IrradianceVolume::bytes) is what is held
 //! in the end.
 
-use super::{Sample, VolumeError, VolumeSettings, rays::Extra};
+use super::{Sample, VolumeError, VolumeSettings, grid::BilevelGrid, pockets, rays::Extra};
 use glam::UVec3;
 
 /// Bytes that the guard takes a cell of the second level, about: its box, what stands in it, and who sees each
@@ -45,10 +45,28 @@ impl VolumeSettings {
         let product = |of: &dyn Fn(u64) -> u64| {
             size.to_array().iter().map(|n| of(u64::from(*n))).fold(1u64, u64::saturating_mul)
         };
-        let samples = product(&|n| n + 1);
         let lattice = product(&|n| n * inner + 1).saturating_mul(size_of::<u32>() as u64);
-        let guard = if self.guard { product(&|n| n * inner).saturating_mul(GUARD_BYTES) } else { 0 };
-        self.fits(samples, self.bytes(samples).saturating_add(lattice).saturating_add(guard))
+        self.check_parts(product(&|n| n + 1), product(&|n| n * inner), lattice)
+    }
+
+    /// Whether a volume on a grid fits, with what guards its queries and what choosing pockets takes.
+    ///
+    /// # Errors
+    /// [`VolumeError::TooLarge`].
+    pub fn check_grid(&self, grid: &BilevelGrid) -> Result<(), VolumeError> {
+        self.check_parts(grid.places().len() as u64, grid.cells().len() as u64, 0)
+    }
+
+    fn check_parts(&self, samples: u64, cells: u64, rest: u64) -> Result<(), VolumeError> {
+        let most = u64::from(self.pocket_samples);
+        let (guard, chosen) = match (self.guard, most) {
+            (false, _) => (0, 0),
+            (true, 0) => (cells.saturating_mul(GUARD_BYTES), 0),
+            (true, most) => (cells.saturating_mul(GUARD_BYTES), pockets::bytes(cells, most)),
+        };
+        let samples = samples + if self.guard { most } else { 0 };
+        let bytes = [guard, chosen, rest].into_iter().fold(self.bytes(samples), u64::saturating_add);
+        self.fits(samples, bytes)
     }
 
     fn fits(&self, samples: u64, bytes: u64) -> Result<(), VolumeError> {
@@ -79,8 +97,13 @@ mod tests {
         let fine = VolumeSettings { samples: Some([200; 3]), guard: false, ..usual.clone() };
         assert!(matches!(fine.check(), Err(VolumeError::TooLarge { samples: 8_000_000, bins: 578, .. })));
         // Two bins a sample, but a lattice of 1593³ places.
-        let lattice = VolumeSettings { bins_n: 1, second_level: 9, ..fine };
+        let lattice = VolumeSettings { bins_n: 1, second_level: 9, ..fine.clone() };
         assert!(matches!(lattice.check(), Err(VolumeError::TooLarge { .. })));
+        // A million pockets, and eighths of 8 · 10⁶ cells compared.
+        let pockets = VolumeSettings { bins_n: 1, pocket_samples: 1_000_000, guard: true, ..fine.clone() };
+        assert!(matches!(pockets.check_parts(1000, 8_000_000, 0), Err(VolumeError::TooLarge { .. })));
+        let unguarded = VolumeSettings { guard: false, ..pockets };
+        assert!(unguarded.check_parts(1000, 8_000_000, 0).is_ok());
         // Eight orders at n = 128: matrices of 8 · 64⁴ numbers each.
         let orders = (2..10).map(Order::Finite).collect();
         let moments = VolumeSettings { bins_n: 128, moments: orders, samples: Some([2; 3]), ..usual };

@@ -12,6 +12,7 @@
 use super::{directions::clamped, overlap::triangle_meets_box, pockets::POCKET_LEVEL};
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
+use wide::f32x8;
 
 /// No second-level grid, or no sample.
 pub const NONE: u32 = u32::MAX;
@@ -52,19 +53,6 @@ impl<const N: usize> Locations<N> {
     pub fn of(&self, i: usize) -> Location {
         let offset = Vec3::from_array(self.offset.each_ref().map(|o| o[i]));
         Location { cell: self.cell[i], offset, level: 1 + u8::from(self.refined[i]) }
-    }
-
-    /// [`trilinear`] of each, corner by corner.
-    #[inline]
-    pub fn trilinear(&self) -> [[f32; N]; 8] {
-        let mut weights = [[0.0; N]; 8];
-        for i in 0..N {
-            let of = trilinear(Vec3::from_array(self.offset.each_ref().map(|o| o[i])));
-            for (weights, w) in weights.iter_mut().zip(of) {
-                weights[i] = w;
-            }
-        }
-        weights
     }
 }
 
@@ -281,9 +269,16 @@ impl BilevelGrid {
 /// Weights of a cell's eight corners at an offset: products of o and 1 − o; they sum to 1.
 #[inline(always)]
 pub fn trilinear(o: Vec3) -> [f32; 8] {
-    let (x, y, z) = ([1.0 - o.x, o.x], [1.0 - o.y, o.y], [1.0 - o.z, o.z]);
-    let yz = [y[0] * z[0], y[1] * z[0], y[0] * z[1], y[1] * z[1]];
-    std::array::from_fn(|i| x[i & 1] * yz[i >> 1])
+    // Of all corners at once: 1 − o where a corner is the low one of an axis, and o.
+    let along = |o: f32, sign: [f32; 8]| {
+        let sign = f32x8::new(sign);
+        let low = sign.simd_lt(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO);
+        sign.mul_add(f32x8::splat(o), low)
+    };
+    let x = along(o.x, [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0]);
+    let y = along(o.y, [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0]);
+    let z = along(o.z, [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
+    (x * (y * z)).to_array()
 }
 
 /// Which first-level cells of a grid hold any of the triangles, x fastest.

@@ -32,8 +32,6 @@ struct Watched {
     low: Vec3,
     /// The corner opposite.
     high: Vec3,
-    /// Whether nothing stands in the cell and its samples are at its corners.
-    open: bool,
     /// Standing triangles that meet the box.
     triangles: Vec<u32>,
     sight: OnceLock<Sight>,
@@ -45,6 +43,8 @@ pub struct Guard {
     standing: Arc<Accel>,
     triangles: Arc<Vec<[Vec3; 3]>>,
     cells: Arc<Vec<Watched>>,
+    /// Whether nothing stands in a cell and its samples are at its corners.
+    open: Arc<Vec<bool>>,
     /// For each first-level cell the valid samples in it and around it, found when first asked.
     pub(super) near: Arc<Vec<OnceLock<Vec<u32>>>>,
 }
@@ -69,7 +69,9 @@ impl Guard {
             .filter(|&t| !geometry.movable[geometry.object[t] as usize])
             .map(|t| geometry.positions[t])
             .collect();
-        let mut cells = boxes(grid, samples);
+        let mut cells = boxes(grid);
+        let at_corners = |id: &u32| samples[*id as usize].state != SampleState::Relocated;
+        let mut open: Vec<bool> = grid.cells().iter().map(|c| c.samples.iter().all(at_corners)).collect();
         let meetings: Vec<Vec<Meeting>> = triangles
             .par_chunks(1024)
             .enumerate()
@@ -82,14 +84,14 @@ impl Guard {
             })
             .collect();
         for Meeting { cell, triangle, within } in meetings.into_iter().flatten() {
-            let cell = &mut cells[cell as usize];
-            cell.triangles.push(triangle);
-            cell.open &= !within;
+            cells[cell as usize].triangles.push(triangle);
+            open[cell as usize] &= !within;
         }
         Self {
             standing: Arc::new(world.accel.standing()),
             triangles: Arc::new(triangles),
             cells: Arc::new(cells),
+            open: Arc::new(open),
             near: Arc::new(grid.second().iter().map(|_| OnceLock::new()).collect()),
         }
     }
@@ -97,7 +99,7 @@ impl Guard {
     /// Whether all samples of a cell see all of it.
     #[inline(always)]
     pub(super) fn is_open(&self, cell: u32) -> bool {
-        self.cells[cell as usize].open
+        self.open[cell as usize]
     }
 
     /// Bytes held by now, without the tree that rays are asked of: it is the scene's.
@@ -122,10 +124,10 @@ impl Guard {
         sight.look(point, find)
     }
 
-    /// Samples of a cell that see a point of it, a bit each, where that is known.
+    /// What was found before of a point of a cell, if anything was.
     #[inline(always)]
-    pub(super) fn known(&self, cell: u32, point: Vec3) -> Option<u8> {
-        self.cells[cell as usize].sight.get()?.known(point)
+    pub(super) fn known(&self, cell: u32, point: Vec3) -> Look {
+        self.cells[cell as usize].sight.get().map_or(Look::Ask, |sight| sight.known(point))
     }
 
     /// Whether nothing that stands lies between a sample and a point, ends not counted; what hides one
@@ -153,13 +155,9 @@ impl Guard {
 }
 
 /// Boxes of the cells that lookups end in; those of refined cells stay empty.
-fn boxes(grid: &BilevelGrid, samples: &[Sample]) -> Vec<Watched> {
+fn boxes(grid: &BilevelGrid) -> Vec<Watched> {
     let (low, high) = grid.bounds();
     let margin = MARGIN * grid.cell_size();
-    let free = |cell: u32| {
-        let ids = grid.cells()[cell as usize].samples;
-        ids.iter().all(|&s| samples[s as usize].state != SampleState::Relocated)
-    };
     let mut cells: Vec<Watched> = grid.cells().iter().map(|_| Watched::default()).collect();
     let mut put = |cell: u32, at: UVec3, parts: u32| {
         let corner = |at: UVec3| low + at.as_vec3() / parts as f32 * grid.cell_size();
@@ -168,7 +166,6 @@ fn boxes(grid: &BilevelGrid, samples: &[Sample]) -> Vec<Watched> {
         let watched = &mut cells[cell as usize];
         watched.low = Vec3::select(first, low - margin, corner(at));
         watched.high = Vec3::select(last, high + margin, corner(at + 1));
-        watched.open = free(cell);
     };
     let inner = grid.inner();
     for (c, &second) in (0..).zip(grid.second()) {

@@ -87,6 +87,9 @@ impl IrradianceVolume {
         let (at, weights) = (self.grid().locate(position), self.weights(position));
         let corner =
             |i: usize| self.grid().places()[self.grid().cells()[at.cell as usize].samples[i] as usize];
+        let corners = self.grid().cells()[at.cell as usize].samples;
+        let of_corner =
+            |id: u32| corners.iter().position(|corner| *corner == id).map_or(0.0, |i| weights.trilinear[i]);
         let mut samples: Vec<LitBy> = (0..8)
             .filter(|&i| weights.trilinear[i] > 0.0 || weights.weights[i] > 0.0)
             .map(|i| {
@@ -95,7 +98,8 @@ impl IrradianceVolume {
                     id,
                     position: sample.position,
                     weight: weights.weights[i],
-                    trilinear: weights.trilinear[i],
+                    // A lender's share before is what it has as a corner, if it is one.
+                    trilinear: of_corner(id),
                     state: sample.state,
                     seen: weights.seen[i],
                     irradiance: self.at_sample(id, normal, part, self.settings().basis),

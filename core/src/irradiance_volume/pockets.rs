@@ -60,6 +60,15 @@ struct Compared {
     exact: Vec<f32>,
 }
 
+/// Bytes that comparing the eighths of so many cells takes, about, `most` of them to be chosen.
+pub(super) fn bytes(cells: u64, most: u64) -> u64 {
+    let compared =
+        |n: u32| (size_of::<Compared>() + 2 * DirectionBins::new(n).len() * size_of::<f32>()) as u64;
+    cells
+        .saturating_mul(8 * compared(ROUNDS[0]))
+        .max((KEPT as u64 * most).saturating_mul(compared(ROUNDS[1])))
+}
+
 /// Of those compared the worst, `most` at most and none that is bearable; in order.
 fn worst(compared: &[Compared], most: usize) -> Vec<u32> {
     let values = || compared.iter().flat_map(|c| &c.exact);

@@ -8,6 +8,7 @@ use super::{
     harmonics,
     moments::Order,
     pockets::POCKET_LEVEL,
+    sight::Look,
     visibility::{PointState, shared},
 };
 use crate::{
@@ -209,11 +210,14 @@ impl IrradianceVolume {
         if (position.cmpge(low) & position.cmple(high)).all() {
             match self.guard.as_ref().filter(|g| !g.is_open(cell)) {
                 None => return corners,
-                Some(guard) => {
-                    if let Some(seen) = guard.known(cell, position) {
+                Some(guard) => match guard.known(cell, position) {
+                    Look::Samples(seen) => {
                         return Corners { weights: shared(corners.weights, seen, valid), ..corners };
                     }
-                }
+                    Look::Lender(sample) => return Corners::alone(sample),
+                    Look::Nothing => return Corners { weights: [0.0; 8], ..corners },
+                    Look::Ask => {}
+                },
             }
         }
         self.careful(position, corners, cell, valid).corners
@@ -276,12 +280,7 @@ impl IrradianceVolume {
                 let weight = f32x8::splat(weight);
                 sums = [red_blue.mul_add(weight, sums[0]), green.mul_add(weight, sums[1])];
             }
-            let [rb, g] = sums.map(|sum| {
-                let [low, high]: [Vec4; 2] = bytemuck::cast(sum * shares);
-                let both = low + high;
-                both + both.zwxy()
-            });
-            total += Vec3::new(rb.x, g.x, rb.y);
+            total += added(sums.map(|sum| sum * shares));
         }
         total
     }
@@ -300,10 +299,7 @@ impl IrradianceVolume {
                 let weight: f32x8 = bytemuck::cast([weights.xxyy(), weights.zzww()]);
                 sums = [red_blue.mul_add(weight, sums[0]), green.mul_add(weight, sums[1])];
             }
-            let [rb, g] = sums.map(f32x8::to_array);
-            for i in 0..4 {
-                total += Vec3::new(rb[2 * i], g[2 * i], rb[2 * i + 1]) * SCALE;
-            }
+            total += added(sums) * SCALE;
         }
         total
     }
@@ -312,6 +308,17 @@ impl IrradianceVolume {
     pub(super) fn of_harmonics(&self, Corners { ids, weights }: &Corners, normal: Vec3, part: Part) -> Vec3 {
         harmonics::evaluate(self.tables.harmonics().of(part), ids, weights, &harmonics::towards(normal))
     }
+}
+
+/// Sum of four texels, of red and blue and of green, as [`unscaled`] has them.
+#[inline(always)]
+fn added(sums: [f32x8; 2]) -> Vec3 {
+    let [rb, g] = sums.map(|sum| {
+        let [low, high]: [Vec4; 2] = bytemuck::cast(sum);
+        let both = low + high;
+        both + both.zwxy()
+    });
+    Vec3::new(rb.x, g.x, rb.y)
 }
 
 /// One table or two, whose values are added.

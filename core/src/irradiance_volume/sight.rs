@@ -153,11 +153,10 @@ impl Sight {
         }
     }
 
-    /// Samples that see a point, where that is known.
+    /// What was found before of a point, if anything was.
     #[inline(always)]
-    pub fn known(&self, point: Vec3) -> Option<u8> {
-        let code = self.slot(point)?.code.load(Ordering::Relaxed);
-        (code & NOTHING == SAMPLES).then_some(code as u8)
+    pub fn known(&self, point: Vec3) -> Look {
+        self.slot(point).map_or(Look::Ask, |slot| Look::of(slot.code.load(Ordering::Relaxed)))
     }
 
     /// Where is remembered what is known of a point; nowhere for one on a plane.

@@ -57,7 +57,7 @@ impl IrradianceVolume {
             Some(tolerance) => adaptive::grid(world, light, settings, tolerance, progress)?,
             None => settings.grid(world)?,
         };
-        settings.check_samples(grid.places().len() as u64 + u64::from(settings.pocket_samples))?;
+        settings.check_grid(&grid)?;
         let bins = DirectionBins::new(settings.bins_n);
         let targets = if settings.informed_rays > 0 { Targets::new(light) } else { Targets::default() };
         let done = AtomicUsize::new(0);
