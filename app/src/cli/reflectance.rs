@@ -19,10 +19,11 @@ use lumenscope_core::{
     superposition::{
         PassSettings,
         composite::{self, DirectQuality, Display},
-        layers::Layer,
+        layers::{Layer, Layers},
         pass::Shading,
         render,
     },
+    transport::LightTransportSolution,
 };
 use std::{fmt::Write as _, path::PathBuf};
 
@@ -66,38 +67,80 @@ const FAINT: [u8; 3] = [74, 74, 80];
 pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     solve::output_folder(&options.out)?;
     let loaded = solve::load(&options.scene, common)?;
-    let mut shown = inspect::reflectance(&Geometry::new(&loaded.scene)).unwrap_or_default();
-    for &metal in &options.metal {
-        let specular = Specular { metal, metallic: 1.0, ..Specular::default() };
-        let name = format!("metal {}", metal.to_array().map(|c| c.to_string()).join(" "));
-        inspect::add_reflectance(&mut shown, &name, &specular);
-    }
+    let shown = shown(&Geometry::new(&loaded.scene), &options.metal);
     if shown.images.is_empty() {
         bail!("{}: nothing is polished", options.scene.display());
     }
     maps(options, &shown)?;
 
     let solution = solve::solve(&loaded, false)?;
-    let (world, camera) = (&solution.world, &solution.scene.camera);
-    let settings =
-        PassSettings { direct: DirectQuality::PerPixel(16), seed: common.seed, ..PassSettings::default() };
-    let [width, height] = options.size;
-    let (buffer, layers) = render(&solution, camera, width, height, &settings);
-    let reflectors = Reflectors::new(&world.geometry);
-    let shading = Shading::new(&solution, &settings);
-    let Some(mirrored) = mirror_image(&shading, &reflectors, &buffer, camera, &settings) else {
+    let Some(mirrored) = mirrored(&solution, options.size, common.seed) else {
         println!("the scene's camera sees no flat mirror: no pictures");
         return Ok(());
     };
-    let arriving = LinearImage { width, height, pixels: mirrored.radiance };
-    let display = auto_display(&layers.total());
-    let pictures =
-        [("mirrored", &arriving), ("modulated", layers.get(Layer::Mirror)), ("final", &layers.total())];
-    for (name, picture) in pictures {
-        write_png(&options.out.join(format!("{name}.png")), picture, &display)?;
+    for (name, picture) in mirrored.pictures() {
+        write_png(&options.out.join(format!("{name}.png")), picture, &mirrored.display)?;
     }
-    triptych(&pictures, &display).write(&options.out.join("triptych.png"))?;
-    write_layers(&options.out.join("layers.exr"), &layers)
+    mirrored.triptych().write(&options.out.join("triptych.png"))?;
+    write_layers(&options.out.join("layers.exr"), &mirrored.layers)
+}
+
+/// The view of what a scene's materials reflect, and of metals besides.
+pub(super) fn shown(geometry: &Geometry, metals: &[Vec3]) -> InspectionScene {
+    let mut shown = inspect::reflectance(geometry).unwrap_or_default();
+    for &metal in metals {
+        let specular = Specular { metal, metallic: 1.0, ..Specular::default() };
+        let name = format!("metal {}", metal.to_array().map(|c| c.to_string()).join(" "));
+        inspect::add_reflectance(&mut shown, &name, &specular);
+    }
+    shown
+}
+
+/// What the mirrors of a picture show.
+pub(super) struct Mirrored {
+    arriving: LinearImage,
+    layers: Layers,
+    total: LinearImage,
+    display: Display,
+}
+
+/// `None` where the scene's camera sees no flat mirror.
+pub(super) fn mirrored(
+    solution: &LightTransportSolution,
+    [width, height]: [u32; 2],
+    seed: u64,
+) -> Option<Mirrored> {
+    let camera = &solution.scene.camera;
+    let settings = PassSettings { direct: DirectQuality::PerPixel(16), seed, ..PassSettings::default() };
+    let (buffer, layers) = render(solution, camera, width, height, &settings);
+    let reflectors = Reflectors::new(&solution.world.geometry);
+    let shading = Shading::new(solution, &settings);
+    let pixels = mirror_image(&shading, &reflectors, &buffer, camera, &settings)?.radiance;
+    let total = layers.total();
+    let display = auto_display(&total);
+    Some(Mirrored { arriving: LinearImage { width, height, pixels }, layers, total, display })
+}
+
+impl Mirrored {
+    /// What arrives, that times the reflectance, and the whole picture.
+    fn pictures(&self) -> [(&'static str, &LinearImage); 3] {
+        let modulated = self.layers.get(Layer::Mirror);
+        [("mirrored", &self.arriving), ("modulated", modulated), ("final", &self.total)]
+    }
+
+    /// Side by side, each with its name above it.
+    pub(super) fn triptych(&self) -> Page {
+        const HEAD: usize = 20;
+        let (width, height) = (self.total.width as usize, self.total.height as usize);
+        let mut page = Page::new(3 * width, height + HEAD);
+        for (i, (name, picture)) in self.pictures().into_iter().enumerate() {
+            page.text(i * width + 6, 6, 1, name, INK);
+            for (k, [r, g, b, _]) in composite::display(picture, &self.display).into_iter().enumerate() {
+                page.put(i * width + k % width, HEAD + k / width, [r, g, b]);
+            }
+        }
+        page
+    }
 }
 
 /// The sheet and the table of a view.
@@ -117,7 +160,7 @@ fn maps(options: &Options, shown: &InspectionScene) -> anyhow::Result<()> {
 }
 
 /// Of each material its map, as a sphere that mirrors white would look, and its graph over the angle.
-fn sheet(shown: &InspectionScene) -> Page {
+pub(super) fn sheet(shown: &InspectionScene) -> Page {
     let block = SIDE + 2 * MARGIN;
     let words = shown.notes.iter().map(|n| 8 * n.chars().count()).max().unwrap_or(0);
     let mut page =
@@ -165,18 +208,4 @@ fn graph(page: &mut Page, [left, top]: [usize; 2], curves: &[Curve]) {
             page.line(place(ends[0]), place(ends[1]), ink);
         }
     }
-}
-
-/// Pictures side by side, each with its name above it.
-fn triptych(pictures: &[(&str, &LinearImage); 3], display: &Display) -> Page {
-    const HEAD: usize = 20;
-    let (width, height) = (pictures[0].1.width as usize, pictures[0].1.height as usize);
-    let mut page = Page::new(3 * width, height + HEAD);
-    for (i, (name, picture)) in pictures.iter().enumerate() {
-        page.text(i * width + 6, 6, 1, name, INK);
-        for (k, [r, g, b, _]) in composite::display(picture, display).into_iter().enumerate() {
-            page.put(i * width + k % width, HEAD + k / width, [r, g, b]);
-        }
-    }
-    page
 }

@@ -5,6 +5,7 @@ use crate::examples::{self, Example};
 use super::{
     Common, copies,
     probe::looking_from,
+    reflectance,
     render::{self, Backend, auto_display},
     small_png, solve, view, wall,
 };
@@ -72,6 +73,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let solution = solve::solve(&loaded, true)?;
         let (layers, _) = render::picture(&solution, SIZE, 16, Backend::Cpu, common.seed)?;
         write_pictures(&solution, &layers, &folder, small_png::write)?;
+        if example == Example::Pyramid {
+            copper_and_gold(&solution, &folder, common.seed)?;
+        }
         // Before the open front of the Cornell box there is little to see.
         if example == Example::Office {
             resolutions(&solution, &folder)?;
@@ -79,6 +83,18 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         }
     }
     super::tour::write(&options.out.join("program"), only)
+}
+
+/// How copper and gold reflect by angle, and what that makes of a mirror image.
+fn copper_and_gold(solution: &LightTransportSolution, folder: &Path, seed: u64) -> anyhow::Result<()> {
+    let gold = Vec3::new(0.63, 0.56, 0.37);
+    let sheet = reflectance::sheet(&reflectance::shown(&solution.world.geometry, &[gold]));
+    let mirrored = reflectance::mirrored(solution, SIZE, seed).map(|m| m.triptych());
+    for (name, page) in [("reflectance.png", Some(sheet)), ("mirrored.png", mirrored)] {
+        let Some(page) = page else { continue };
+        small_png::write(&folder.join(name), page.width as u32, page.height as u32, &page.pixels)?;
+    }
+    Ok(())
 }
 
 /// What is put into the office after the solve: the wall, and two copies of a chair.
@@ -163,7 +179,7 @@ pub fn write_pictures(
         }
         let page = ground.framed(view.title, &scene, &scene.colours(&ColourSettings::default()));
         let path = folder.join(format!("view_{}.png", view.id));
-        page.write(&path)?;
+        write(&path, page.width as u32, page.height as u32, &page.pixels)?;
         if let Some(legend) = &scene.legend {
             let range = serde_json::json!({ "title": view.title, "quantity": legend.quantity, "unit": legend.unit, "range": legend.range });
             legends.insert(view.id.into(), range);
