@@ -8,8 +8,8 @@ use lumenscope_core::{
     },
     measure::significance::{critical_value, z_test},
     reference::{
-        Estimate, brute::irradiance_brute, irradiance::irradiance, path::receiver_of,
-        picture::ReferencePicture, radiance::radiance,
+        Estimate, brute::irradiance_brute, irradiance::irradiance, picture::ReferencePicture,
+        radiance::radiance,
     },
     scene::{Scene, accel::Ray, direct::Receiver, lamp::LampKind, mesh::Mesh, world::World},
 };
@@ -38,7 +38,7 @@ fn surface_receivers(world: &World, count: usize, seed: u64) -> Vec<Receiver> {
             let u = rng.next_vec2();
             let bary = if u.x + u.y > 1.0 { glam::Vec2::ONE - u } else { u };
             let inwards = -world.geometry.area_normal(triangle).normalize();
-            receiver_of(&world.geometry.surface(triangle, bary, inwards))
+            Receiver::of(&world.geometry.surface(triangle, bary, inwards))
         })
         .collect()
 }
@@ -329,7 +329,7 @@ fn golden_irradiance_is_what_the_tracer_finds() {
     let [office, cornell] = ["office/office.ron", "cornell/cornell.ron"].map(golden::shipped);
     let surfaces = golden::surface_points(&office, golden::POINTS);
     let sets = [
-        ("surface", &office, surfaces.iter().map(receiver_of).collect()),
+        ("surface", &office, surfaces.iter().map(Receiver::of).collect()),
         ("air", &office, golden::air_points(&office, golden::POINTS)),
         ("cornell_air", &cornell, golden::air_points(&cornell, golden::POINTS)),
     ];

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{part::Part, random::r2_point},
     measure::significance::z_test,
-    reference::{brute::irradiance_brute, irradiance::irradiance, path::receiver_of, radiance::radiance},
+    reference::{brute::irradiance_brute, irradiance::irradiance, radiance::radiance},
     scene::{
         Scene,
         accel::Ray,
@@ -179,7 +179,7 @@ fn two_estimators_agree_on_irradiance_among_glossy_walls() {
         .map(|i| {
             let triangle = i % 12;
             let inwards = -world.geometry.area_normal(triangle).normalize();
-            receiver_of(&world.geometry.surface(triangle, 0.5 * r2_point(i, 9), inwards))
+            Receiver::of(&world.geometry.surface(triangle, 0.5 * r2_point(i, 9), inwards))
         })
         .collect();
     let [found, wanted] = [false, true].map(|brute| {

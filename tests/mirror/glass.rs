@@ -17,14 +17,13 @@ use lumenscope_core::{
         geometry::Surface,
         glass::{Side, refracted},
         material::Material,
-        mesh::Mesh,
         world::World,
     },
     superposition::{
         PassSettings, composite::DirectQuality, gbuffer::pixel_direction, layers::Layer, render,
     },
 };
-use lumenscope_tests::{add, add_point_lamp, box_room, cornell, cuboid, diffuse, rectangle, solved};
+use lumenscope_tests::{add, add_point_lamp, ball, box_room, cornell, cuboid, diffuse, rectangle, solved};
 use std::f32::consts::PI;
 
 const INDEX: f32 = 1.5;
@@ -138,31 +137,6 @@ fn a_slab_shifts_what_is_behind_it_and_passes_one_face_after_the_other() {
         let once = fresnel::reflectance(fresnel::normal_reflectance(INDEX), cos);
         assert!((floor.share.x - (1.0 - once).powi(2)).abs() < 1e-4, "{degrees}°: {}", floor.share.x);
     }
-}
-
-/// A ball of glass with the normals of a sphere.
-fn ball(centre: Vec3, radius: f32, [rows, columns]: [u32; 2]) -> Mesh {
-    let mut mesh = Mesh::default();
-    for row in 0..=rows {
-        for column in 0..=columns {
-            let (theta, phi) = (row as f32 / rows as f32 * PI, column as f32 / columns as f32 * 2.0 * PI);
-            let normal = Vec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin());
-            mesh.positions.push(centre + radius * normal);
-            mesh.normals.push(normal);
-            mesh.uvs.push(Vec2::ZERO);
-        }
-    }
-    for row in 0..rows {
-        for column in 0..columns {
-            let a = row * (columns + 1) + column;
-            let (b, c) = (a + columns + 1, a + columns + 2);
-            mesh.triangles.extend([[a, b, c], [a, c, a + 1]].into_iter().filter(|t| {
-                let [p, q, r] = t.map(|i| mesh.positions[i as usize]);
-                (q - p).cross(r - p).length() > 1e-9
-            }));
-        }
-    }
-    mesh
 }
 
 #[test]

@@ -4,9 +4,10 @@ use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     math::{colour::luminance, image::LinearImage, part::Part, progress::Progress, random::r2_point},
     radiosity::{RadiositySettings, RadiositySolution},
-    reference::{irradiance::irradiance_with, path::PathTracer, path::receiver_of},
+    reference::{irradiance::irradiance_with, path::PathTracer},
     scene::{
-        Scene, accel::Ray, fresnel, geometry::Surface, lamp::LampKind, material::Material, world::World,
+        Scene, accel::Ray, direct::Receiver, fresnel, geometry::Surface, lamp::LampKind, material::Material,
+        world::World,
     },
 };
 use lumenscope_tests::{
@@ -106,7 +107,7 @@ fn a_mirror_throws_a_lamps_light_as_its_image_would() {
             *(if seen { &mut lit } else { &mut dark }) += 1;
             let hit = world.accel.trace(&Ray::new(p + Vec3::Y * 0.1, Vec3::NEG_Y)).unwrap();
             let surface = world.geometry.surface(hit.triangle, hit.barycentric, Vec3::NEG_Y);
-            let traced = irradiance_with(&tracer, &receiver_of(&surface), Part::Indirect, 64, i.into()).mean;
+            let traced = irradiance_with(&tracer, &Receiver::of(&surface), Part::Indirect, 64, i.into()).mean;
             let off = (traced - exact).abs().max_element();
             assert!(off <= 1e-3 * exact.max_element(), "{kind:?} {p}: {traced} for {exact}");
             let e = solution.irradiance(hit.triangle, hit.barycentric, false, Part::Indirect);
@@ -169,7 +170,7 @@ fn errors(scene: &Scene, spacing_m: f32) -> Errors {
     let found: Vec<(f32, (f32, f32))> = (surfaces.par_iter().enumerate())
         .map(|(i, surface)| {
             let found = solution.irradiance_exact_direct(&world, surface, Part::All, 256, i as u32);
-            let truth = irradiance_with(&tracer, &receiver_of(surface), Part::All, 8192, i as u64);
+            let truth = irradiance_with(&tracer, &Receiver::of(surface), Part::All, 8192, i as u64);
             (luminance(found), (luminance(truth.mean), luminance(truth.standard_error)))
         })
         .collect();

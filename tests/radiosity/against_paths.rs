@@ -4,8 +4,8 @@ use super::solve;
 use lumenscope_core::{
     math::{colour::luminance, part::Part, progress::Progress},
     radiosity::{RadiositySettings, RadiositySolution},
-    reference::{self, irradiance::irradiance_with, path::receiver_of},
-    scene::{geometry::Surface, world::World},
+    reference::{self, irradiance::irradiance_with},
+    scene::{direct::Receiver, geometry::Surface, world::World},
 };
 use lumenscope_tests::golden::{self, Errors};
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ fn cornell_box_agrees_with_the_reference() {
         .par_iter()
         .enumerate()
         .map(|(i, s)| {
-            let truth = irradiance_with(&tracer, &receiver_of(s), Part::All, 1024, i as u64);
+            let truth = irradiance_with(&tracer, &Receiver::of(s), Part::All, 1024, i as u64);
             (luminance(truth.mean), luminance(truth.standard_error))
         })
         .collect();
@@ -55,7 +55,7 @@ fn office_agrees_with_the_reference() {
     let world = golden::shipped("office/office.ron");
     let solution =
         RadiositySolution::solve(&world, &RadiositySettings::default(), &Progress::silent()).expect("solves");
-    let energy = solution.energy();
+    let energy = solution.energy(&world);
     println!("absorbed over sent {:.4}", energy.absorbed_flux / energy.direct_flux);
     let surfaces = golden::surface_points(&world, golden::POINTS);
     let truths: Vec<(f32, f32)> =

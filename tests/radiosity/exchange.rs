@@ -87,8 +87,8 @@ fn two_objects_exchange_the_same_flux_both_ways() {
 #[test]
 fn energy_received_is_energy_absorbed_in_a_closed_room() {
     // 1 %: the transport is sampled, not made symmetric.
-    let (_, solution) = solve(&room(), &settings(0.1));
-    let energy = solution.energy();
+    let (world, solution) = solve(&room(), &settings(0.1));
+    let energy = solution.energy(&world);
     assert!((energy.absorbed_flux / energy.direct_flux - 1.0).abs() < 0.01, "{energy:?}");
     assert!(energy.indirect_flux > 0.0);
 }

@@ -1,6 +1,6 @@
 //! Scenes built in code that several test files share.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use lumenscope_core::{
     glossy::environment::{Environments, depth_of},
     irradiance_volume::{IrradianceVolume, VolumeSettings},
@@ -16,6 +16,7 @@ use lumenscope_core::{
     },
     transport::LightTransportSolution,
 };
+use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 pub mod command_line;
@@ -201,4 +202,29 @@ pub fn glb(json: &serde_json::Value, binary: &[u8]) -> Vec<u8> {
     out.extend(b"BIN\0");
     out.extend(binary);
     out
+}
+
+/// A ball of so many rows and columns with the normals of a sphere.
+pub fn ball(centre: Vec3, radius: f32, [rows, columns]: [u32; 2]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for row in 0..=rows {
+        for column in 0..=columns {
+            let (theta, phi) = (row as f32 / rows as f32 * PI, column as f32 / columns as f32 * TAU);
+            let normal = Vec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin());
+            mesh.positions.push(centre + radius * normal);
+            mesh.normals.push(normal);
+            mesh.uvs.push(Vec2::ZERO);
+        }
+    }
+    for row in 0..rows {
+        for column in 0..columns {
+            let a = row * (columns + 1) + column;
+            let (b, c) = (a + columns + 1, a + columns + 2);
+            mesh.triangles.extend([[a, b, c], [a, c, a + 1]].into_iter().filter(|t| {
+                let [p, q, r] = t.map(|i| mesh.positions[i as usize]);
+                (q - p).cross(r - p).length() > 1e-9
+            }));
+        }
+    }
+    mesh
 }

@@ -17,8 +17,7 @@ use lumenscope_core::{
         volume::ReferencePoints,
     },
     radiosity::{RadiositySettings, RadiositySolution, subdivide::Subdivision, surface_map::ElementLayout},
-    reference::path::receiver_of,
-    scene::{geometry::Surface, world::World},
+    scene::{direct::Receiver, geometry::Surface, world::World},
 };
 use std::{fmt::Write, path::PathBuf};
 
@@ -177,7 +176,7 @@ fn truth(options: &Options, world: &World, seed: u64) -> anyhow::Result<(Vec<Sur
                 .with_context(|| format!("{}: point {} lies on no surface", path.display(), i + 1))
         };
         let surfaces = rows.iter().enumerate().map(under).collect::<anyhow::Result<Vec<_>>>()?;
-        let receivers = surfaces.iter().map(receiver_of).collect();
+        let receivers = surfaces.iter().map(Receiver::of).collect();
         let column = |i: usize| rows.iter().map(|(_, values)| values[i]).collect();
         let truth = ReferencePoints::with_indirect(world, receivers, column(0), column(1));
         return Ok((surfaces, truth));
@@ -186,7 +185,7 @@ fn truth(options: &Options, world: &World, seed: u64) -> anyhow::Result<(Vec<Sur
     if surfaces.is_empty() {
         bail!("{}: no point lies on a lit surface", options.scene.display());
     }
-    let receivers = surfaces.iter().map(receiver_of).collect();
+    let receivers = surfaces.iter().map(Receiver::of).collect();
     let truth = solve::watched(|p| ReferencePoints::trace(world, receivers, options.spp, seed, p))?;
     let rows: Vec<PointRow> =
         truth.receivers.iter().map(|r| PointRow { position: r.position, normal: r.normal }).collect();

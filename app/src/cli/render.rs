@@ -194,7 +194,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "triangles": solution.world.geometry.len(),
         "emitters": solution.world.emitters.len(),
         "elements": solution.radiosity.direct.len(),
-        "radiosity": report::radiosity(&solution.radiosity),
+        "radiosity": report::radiosity(&solution.radiosity, &solution.world),
         "mirror_images_bytes": solution.mirror_images.as_ref().map(|images| images.bytes()),
         "volume": solution.volume.as_ref().map(|v| report::volume(v)),
         "peak_bytes": peak_bytes(),

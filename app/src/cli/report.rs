@@ -6,16 +6,17 @@ use lumenscope_core::{
     },
     math::part::Part,
     radiosity::RadiositySolution,
+    scene::world::World,
 };
 use serde_json::{Value, json};
 
 /// Elements, sweeps, energy and bytes of a radiosity solution.
-pub fn radiosity(solution: &RadiositySolution) -> Value {
+pub fn radiosity(solution: &RadiositySolution, world: &World) -> Value {
     json!({
         "elements": solution.elements().len(),
         "gather_rays": solution.settings().gather_rays,
         "convergence": solution.convergence(),
-        "energy_lm": solution.energy(),
+        "energy_lm": solution.energy(world),
         "bytes": solution.bytes(),
     })
 }

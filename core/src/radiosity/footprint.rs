@@ -2,113 +2,199 @@
 
 use super::{
     lookup::{SideMap, blend},
-    subdivide::Between,
-    surface_map::{FOOTPRINT, SurfaceMap},
+    rims::Fills,
+    surface_map::{Element, FOOTPRINT, SurfaceMap, UNSOLVED},
 };
 use crate::scene::{direct::Receiver, geometry::Geometry};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A share of a triangle's area, m², that an element stands for, around a point.
+struct Share {
+    /// Element, counted from the first of its part.
+    element: u32,
+    area: f32,
+    /// Index into the points of its part.
+    point: u32,
+}
+
+/// What elements of one grid, or those at vertices, stand for.
+#[derive(Default)]
+struct Weighed {
+    areas: Vec<f32>,
+    reflectances: Vec<Vec3>,
+    footprints: Vec<[Receiver; FOOTPRINT]>,
+}
 
 impl SurfaceMap {
-    /// Areas, mean reflectances and footprints, by points spread over every triangle. What lies `between`
-    /// corners of leaves counts to them.
-    pub(super) fn weigh(&mut self, geometry: &Geometry, between: &[Between]) {
-        let mut lent = vec![u32::MAX; if between.is_empty() { 0 } else { self.elements.len() }];
-        for (i, b) in between.iter().enumerate() {
-            lent[b.element as usize] = i as u32;
+    /// Areas, mean reflectances and footprints, by points spread over every triangle, on quadtrees as densely as
+    /// their finest leaves ask. What lies `between` corners of leaves counts to them.
+    pub(super) fn weigh(&mut self, geometry: &Geometry, between: &Fills) {
+        let lent = between.numbers(self.elements.len());
+        let lenders = |element: u32| between.get(lent[element as usize] as usize).map(|(_, corners)| corners);
+        // One part a grid and the last for vertices; each has elements and sides of triangles of its own.
+        let charts = self.charts.len();
+        let mut parts: Vec<Vec<u32>> = vec![Vec::new(); charts + 1];
+        for (number, side) in self.sides.iter().enumerate().filter(|(_, side)| **side != SideMap::NONE) {
+            let chart =
+                if side.size == 0 { charts } else { self.elements[side.first as usize].chart as usize };
+            parts[chart].push(number as u32);
         }
-        for element in &mut self.elements {
-            element.area = 0.0;
-        }
-        let mut weighted = vec![Vec3::ZERO; self.elements.len()];
-        let mut points: Vec<Receiver> = Vec::new();
-        let mut shares: Vec<(u32, f32, u32)> = Vec::new();
-        let mut counts = vec![0u32; self.elements.len() + 1];
-        for t in 0..geometry.len() as u32 {
-            let area = 0.5 * geometry.area_normal(t).length();
-            let textured = geometry.material_of(t).reflectance_texture.is_some();
-            let taps = if textured { 4.0 } else { 3.0 };
-            let barycentric = triangle_points(edges_in_nodes(&self.sides[2 * t as usize]).map(|e| taps * e));
-            for back in [false, true] {
-                let side = self.sides[2 * t as usize + usize::from(back)];
-                if side == SideMap::NONE {
-                    continue;
-                }
-                let share = area / barycentric.len() as f32;
-                let towards = geometry.area_normal(t) * if back { 1.0 } else { -1.0 };
-                for &barycentric in &barycentric {
-                    let surface = geometry.surface(t, barycentric, towards);
-                    let reflectance = geometry.material_of(t).diffuse_at(surface.uv, &geometry.textures);
-                    let blend = blend(&side, barycentric);
-                    let mut add = |element: u32, weight: f32| {
-                        self.elements[element as usize].area += share * weight;
-                        weighted[element as usize] += reflectance * (share * weight);
-                        counts[element as usize + 1] += 1;
-                        shares.push((element, share * weight, points.len() as u32));
-                    };
-                    for (&element, &weight) in blend.elements.iter().zip(&blend.weights) {
-                        match lent.get(element as usize) {
-                            _ if weight <= 0.0 => {}
-                            None | Some(&u32::MAX) => add(element, weight),
-                            Some(&lent) => {
-                                let b = &between[lent as usize];
-                                b.corners.iter().zip(&b.weights).for_each(|(c, w)| add(*c, weight * w));
-                            }
-                        }
-                    }
-                    points.push(Receiver {
-                        position: surface.position,
-                        normal: surface.normal,
-                        geometric_normal: surface.geometric_normal,
-                    });
-                }
-            }
-        }
-        for (element, sum) in self.elements.iter_mut().zip(weighted) {
-            element.reflectance = if element.area > 0.0 { sum / element.area } else { Vec3::ZERO };
-        }
-        self.footprints = self
-            .elements
-            .iter()
-            .flat_map(|e| {
-                let own =
-                    Receiver { position: e.position, normal: e.normal, geometric_normal: e.geometric_normal };
-                [own; FOOTPRINT]
+        let first = |part: usize| match self.charts.get(part) {
+            Some(chart) => chart.first_element as usize,
+            None => self.elements.len() - self.vertices(),
+        };
+        let weighed: Vec<Weighed> = (0..parts.len())
+            .into_par_iter()
+            .map(|part| {
+                let end = if part < charts { first(part + 1) } else { self.elements.len() };
+                self.weigh_part(geometry, first(part)..end, &parts[part], lenders)
             })
             .collect();
+        let mut solved = 0..;
+        self.footprint_of.clear();
+        self.footprint_of.extend(self.elements.iter().map(|e| match e.flags & UNSOLVED {
+            0 => solved.next().unwrap_or(u32::MAX),
+            _ => u32::MAX,
+        }));
+        self.footprints.clear();
+        let mut element = 0;
+        for part in weighed {
+            for (area, reflectance) in part.areas.into_iter().zip(part.reflectances) {
+                (self.elements[element].area, self.elements[element].reflectance) = (area, reflectance);
+                element += 1;
+            }
+            self.footprints.extend(part.footprints);
+        }
+    }
+
+    /// Elements at vertices, which come last.
+    fn vertices(&self) -> usize {
+        let grids = self.charts.last().map_or(0, |c| (c.first_element + c.nx * c.ny) as usize);
+        self.elements.len() - grids
+    }
+
+    fn weigh_part<'a>(
+        &self,
+        geometry: &Geometry,
+        elements: Range<usize>,
+        sides: &[u32],
+        lenders: impl Fn(u32) -> Option<&'a [(u32, f32)]>,
+    ) -> Weighed {
+        let mut points: Vec<(u32, Vec2)> = Vec::new();
+        let mut shares: Vec<Share> = Vec::new();
+        let mut given: Vec<(u32, f32)> = Vec::new();
+        let mut weighted = vec![Vec3::ZERO; elements.len()];
+        let mut counts = vec![0u32; elements.len() + 1];
+        let leaf = self.finest_leaf(elements.start);
+        for &number in sides {
+            let (t, side) = (number / 2, &self.sides[number as usize]);
+            let material = geometry.material_of(t);
+            let textured = material.reflectance_texture.is_some();
+            let taps = if textured { 4.0 } else { 3.0 };
+            let barycentric = triangle_points(edges_in_leaves(side, leaf).map(|e| taps * e));
+            let area = 0.5 * geometry.area_normal(t).length() / barycentric.len() as f32;
+            for barycentric in barycentric {
+                let uv = if textured { geometry.surface(t, barycentric, Vec3::ZERO).uv } else { Vec2::ZERO };
+                let reflectance = material.diffuse_at(uv, &geometry.textures);
+                let blend = blend(side, barycentric);
+                let mut give = |element: u32, weight: f32| match given.iter_mut().find(|g| g.0 == element) {
+                    Some(known) => known.1 += weight,
+                    None => given.push((element, weight)),
+                };
+                for (&element, &weight) in
+                    blend.elements.iter().zip(&blend.weights).filter(|(_, w)| **w > 0.0)
+                {
+                    match lenders(element) {
+                        None => give(element, weight),
+                        Some(corners) => corners.iter().for_each(|(c, w)| give(*c, weight * w)),
+                    }
+                }
+                for (element, weight) in given.drain(..) {
+                    let element = element - elements.start as u32;
+                    weighted[element as usize] += reflectance * (area * weight);
+                    counts[element as usize + 1] += 1;
+                    shares.push(Share { element, area: area * weight, point: points.len() as u32 });
+                }
+                points.push((number, barycentric));
+            }
+        }
         // A counting sort by element; points keep the order of their triangles.
         for i in 1..counts.len() {
             counts[i] += counts[i - 1];
         }
         let mut places = counts.clone();
         let mut sorted = vec![(0.0f32, 0u32); shares.len()];
-        for (element, share, point) in shares {
+        for Share { element, area, point } in shares {
             let place = &mut places[element as usize];
-            sorted[*place as usize] = (share, point);
+            sorted[*place as usize] = (area, point);
             *place += 1;
         }
-        for (element, range) in counts.windows(2).enumerate() {
+        let mut found = Weighed::default();
+        for ((range, weighted), element) in counts.windows(2).zip(weighted).zip(&self.elements[elements]) {
             let of_one = &sorted[range[0] as usize..range[1] as usize];
-            let step = of_one.iter().map(|(share, _)| share).sum::<f32>() / FOOTPRINT as f32;
-            let (mut passed, mut k) = (0.0, 0);
-            for &(share, point) in of_one {
-                passed += share;
-                while k < FOOTPRINT && passed >= (k as f32 + 0.5) * step {
-                    self.footprints[element * FOOTPRINT + k] = points[point as usize];
-                    k += 1;
-                }
+            let area: f32 = of_one.iter().map(|(area, _)| area).sum();
+            found.areas.push(area);
+            found.reflectances.push(if area > 0.0 { weighted / area } else { Vec3::ZERO });
+            if element.flags & UNSOLVED == 0 {
+                found.footprints.push(footprint(element, of_one, |point| {
+                    let (side, barycentric) = points[point as usize];
+                    let towards = geometry.area_normal(side / 2) * if side % 2 == 1 { 1.0 } else { -1.0 };
+                    Receiver::of(&geometry.surface(side / 2, barycentric, towards))
+                }));
             }
         }
+        found
+    }
+
+    /// Grid steps along u and v of the finest leaf on the grid of an element.
+    fn finest_leaf(&self, element: usize) -> Vec2 {
+        let chart = self.elements.get(element).map_or(u32::MAX, |e| e.chart);
+        let Some(Some(tree)) = self.trees.get(chart as usize) else { return Vec2::ONE };
+        let level = tree.leaves.iter().map(|leaf| leaf.level).max().unwrap_or(0);
+        Vec2::from(tree.span(level).map(|steps| steps as f32))
+    }
+
+    /// The points that stand for an element's area; none where it is not solved.
+    pub fn footprint(&self, element: usize) -> &[Receiver] {
+        self.footprints.get(self.footprint_of[element] as usize).map_or(&[], |points| &points[..])
     }
 }
 
-/// Edges of a triangle opposite to corners 0, 1 and 2, in grid steps; 1 for vertex elements.
-fn edges_in_nodes(side: &SideMap) -> [f32; 3] {
+/// Points of equal shares of an element's area, drawn from those it has shares of; its own place where it has none.
+fn footprint(
+    element: &Element,
+    shares: &[(f32, u32)],
+    receiver: impl Fn(u32) -> Receiver,
+) -> [Receiver; FOOTPRINT] {
+    let mut found = [element.receiver(); FOOTPRINT];
+    let step = shares.iter().map(|(share, _)| share).sum::<f32>() / FOOTPRINT as f32;
+    let (mut passed, mut k) = (0.0, 0);
+    for &(share, point) in shares {
+        passed += share;
+        while k < FOOTPRINT && passed >= (k as f32 + 0.5) * step {
+            found[k] = receiver(point);
+            k += 1;
+        }
+    }
+    found
+}
+
+/// Points that stand for equal shares of a triangle's area, `taps` along an edge a step of its grid.
+pub(super) fn points_of(side: &SideMap, taps: f32) -> Vec<Vec2> {
+    triangle_points(edges_in_leaves(side, Vec2::ONE).map(|e| taps * e))
+}
+
+/// Edges of a triangle opposite to corners 0, 1 and 2, in sides of leaves, which are given in grid steps; 1 for
+/// vertex elements.
+fn edges_in_leaves(side: &SideMap, leaf: Vec2) -> [f32; 3] {
     if side.size == 0 {
         return [1.0; 3];
     }
     let corner =
         |i: usize| Vec2::new(f32::from_bits(side.corners[2 * i]), f32::from_bits(side.corners[2 * i + 1]));
-    [(1, 2), (2, 0), (0, 1)].map(|(i, k)| (corner(i) - corner(k)).abs().max_element())
+    [(1, 2), (2, 0), (0, 1)].map(|(i, k)| ((corner(i) - corner(k)) / leaf).abs().max_element())
 }
 
 /// Points that stand for equal shares of a triangle's area, as barycentric weights of corners 1 and 2;

@@ -15,7 +15,7 @@
 
 use super::{
     RadiosityError,
-    rims::{Fill, fills, mark_rims, redirect},
+    rims::{Fills, fills, mark_rims, redirect},
     specular::{Lobes, Seen},
     surface_map::{Element, SurfaceMap, UNSOLVED},
 };
@@ -27,7 +27,6 @@ use crate::{
     },
     scene::{
         accel::{Hit, Ray},
-        direct::Receiver,
         world::World,
     },
 };
@@ -44,7 +43,7 @@ pub struct Transport {
     pub hits: Vec<u32>,
     /// Stretch of `hits` that is each element's; empty where it is not solved.
     rows: Vec<Range<usize>>,
-    /// Rays an element; twice as many a level on the coarser nodes of quadtrees.
+    /// Rays an element; on quadtrees of one that stands for as much as a finest leaf, more on larger ones.
     pub rays: u32,
     /// Largest row sum of transport times reflectance, per channel: how much a sweep can amplify.
     pub norm: Vec3,
@@ -53,7 +52,7 @@ pub struct Transport {
     /// What each element sees by way of lobes; empty where nothing is specular.
     pub(super) seen: Vec<Option<Box<Seen>>>,
     /// Elements without light of their own and the solved neighbours they take it from, in order.
-    fills: Vec<Fill>,
+    fills: Fills,
 }
 
 /// What the rays of the elements met, while elements are still being chosen.
@@ -103,14 +102,17 @@ impl Gathering {
         Ok(gathering)
     }
 
-    /// Rays of an element: on quadtrees twice as many for each level that its leaf is above the finest. It
-    /// stands for four times the area, and what noise is left is blurred over as much more.
+    /// Rays of an element, on quadtrees as the root of the area it stands for: noise weighs by area and falls with
+    /// the root of rays, so that for all rays together this leaves the least (Neyman 1934). `rays` are those of an
+    /// area as large as a finest leaf; none has less than a quarter.
     fn rays_of(&self, element: u32) -> u32 {
-        let tree = self.map.trees.get(self.map.elements[element as usize].chart as usize);
-        let above = tree.and_then(Option::as_ref).map_or(0, |tree| {
-            tree.root[0].max(tree.root[1]).ilog2().saturating_sub(self.map.levels[element as usize].into())
-        });
-        self.rays << above
+        const LEAST_SHARE: f32 = 0.25;
+        /// Rays are multiples of it, so that few lengths of rows are cast in turn.
+        const STEP: f32 = 8.0;
+        let Some(finest) = self.map.finest_leaf_area() else { return self.rays };
+        let rays = self.rays as f32;
+        let wanted = rays * (self.map.area_stood_for(element) / finest).sqrt().max(LEAST_SHARE);
+        (STEP * (wanted / STEP).round()).max(1.0) as u32
     }
 
     /// Casts rays from the elements that are to be solved and have none yet.
@@ -191,7 +193,7 @@ impl Gathering {
         let Self { mut map, mut hits, rows, rays, buried, lobes, mut seen, .. } = self;
         mark_rims(&mut map, &buried);
         let between = map.between();
-        if !between.is_empty() {
+        if between.len() > 0 {
             map.weigh(&world.geometry, &between);
         }
         let fills = fills(&map, between);
@@ -257,18 +259,16 @@ impl Transport {
 
     /// Gives unsolved elements the mean of their solved neighbours.
     pub fn fill(&self, values: &mut [Vec3]) {
-        for fill in &self.fills {
-            let sources = fill.sources.iter().zip(&fill.weights);
-            values[fill.element as usize] =
-                sources.fold(Vec3::ZERO, |sum, (&s, &weight)| sum + values[s as usize] * weight);
+        for (element, sources) in self.fills.iter() {
+            values[element as usize] =
+                sources.iter().fold(Vec3::ZERO, |sum, &(s, weight)| sum + values[s as usize] * weight);
         }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let fills: usize = self.fills.iter().map(|f| size_of::<Fill>() + 8 * f.sources.len()).sum();
         let seen: usize = self.seen.iter().map(|s| 8 + s.as_ref().map_or(0, |s| s.bytes())).sum();
-        self.map.bytes() + 4 * self.hits.len() + size_of_val(&self.rows[..]) + fills + seen
+        self.map.bytes() + 4 * self.hits.len() + size_of_val(&self.rows[..]) + self.fills.bytes() + seen
     }
 }
 
@@ -289,11 +289,7 @@ fn gather_row(
     let seed = seed as u32 ^ (seed >> 32) as u32;
     let (scramble, first) = sequence(map, element, number, seed, row.len() as u32);
     // A grid interpolates values at its nodes; a vertex element is the mean over what it stands for.
-    let node = [Receiver {
-        position: element.position,
-        normal: element.normal,
-        geometric_normal: element.geometric_normal,
-    }];
+    let node = [element.receiver()];
     let from = if element.chart == u32::MAX { map.footprint(number as usize) } else { &node[..] };
     let frames: Vec<(Mat3, Vec3)> = from.iter().map(|f| (frame_from_normal(f.normal), f.origin())).collect();
     let draw = |hit: &Hit, direction: Vec3, xi: f32| {

@@ -32,8 +32,8 @@ pub fn residual(solution: &RadiositySolution, world: &World) -> InspectionScene 
 }
 
 /// Figures of a solution, with units.
-pub fn statistics(solution: &RadiositySolution) -> Vec<String> {
-    let (energy, convergence) = (solution.energy(), solution.convergence());
+pub fn statistics(solution: &RadiositySolution, world: &World) -> Vec<String> {
+    let (energy, convergence) = (solution.energy(world), solution.convergence());
     let transport = solution.transport();
     let solved = solution.elements().iter().filter(|e| e.flags & UNSOLVED == 0).count();
     vec![
@@ -105,7 +105,7 @@ pub(super) fn coloured(
             range: [0.0, largest],
             names: &[],
         }),
-        notes: statistics(solution),
+        notes: statistics(solution, world),
         ..InspectionScene::default()
     }
 }

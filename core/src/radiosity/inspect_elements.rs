@@ -76,7 +76,7 @@ pub fn elements(solution: &RadiositySolution, world: &World) -> InspectionScene 
     InspectionScene {
         meshes: meshes.into(),
         legend: Some(legend(deepest)),
-        notes: statistics(solution),
+        notes: statistics(solution, world),
         ..InspectionScene::default()
     }
 }
@@ -137,7 +137,7 @@ pub fn edges(solution: &RadiositySolution, world: &World) -> InspectionScene {
     if !leaves.is_empty() {
         view.notes.push(format!("{t_vertices} T-vertices"));
     }
-    view.notes.extend(statistics(solution));
+    view.notes.extend(statistics(solution, world));
     let deepest = view.value_lines.iter().map(|l| l.value).fold(1.0, f32::max);
     view.legend = Some(legend(deepest));
     view

@@ -12,6 +12,7 @@
 //! `specular`), and the cached transport holds for where the objects stood when it was gathered.
 
 pub mod atlas;
+pub mod balance;
 mod bounces;
 mod charts;
 mod direct_light;
@@ -39,19 +40,16 @@ pub mod texels;
 pub mod texture;
 
 use crate::{
-    math::{
-        colour::luminance,
-        progress::{Cancelled, Progress},
-    },
+    math::progress::{Cancelled, Progress},
     mirror::thrown::Images,
     scene::{Target, world::World},
 };
 use direct_light::{EmitterLight, Lighting};
 use gather::{Gathering, Transport};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use lookup::SideMap;
 use rayon::prelude::*;
-use solve::{Convergence, weighted_sum};
+use solve::Convergence;
 use std::sync::Arc;
 use subdivide::{Draft, Subdivision};
 use surface_map::{Element, SurfaceMap};
@@ -64,7 +62,7 @@ pub struct RadiositySettings {
     /// Quadtrees on flat regions, split a posteriori from this spacing on; `None` solves uniform grids.
     #[serde(default)]
     pub subdivision: Option<Subdivision>,
-    /// Gather rays an element; on quadtrees of the finest, and twice as many a level above them.
+    /// Gather rays an element; on quadtrees of one that stands for a finest leaf, others by the root of their area.
     pub gather_rays: u32,
     /// Shadow rays an area emitter and element, where it is partly hidden.
     pub shadow_rays: u32,
@@ -137,18 +135,6 @@ impl From<Cancelled> for RadiosityError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
-}
-
-/// Where the light of a solution goes, in luminance-weighted lumen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct EnergyBalance {
-    /// Flux that arrives straight from the emitters, lm.
-    pub direct_flux: f64,
-    /// Flux that arrives after bounces, lm.
-    pub indirect_flux: f64,
-    /// Flux absorbed by the surfaces, lm; in a closed scene equal to `direct_flux` up to sampling noise. What a
-    /// specular lobe passes on counts as absorbed by it and again where it arrives.
-    pub absorbed_flux: f64,
 }
 
 /// Irradiance on every surface element of a scene.
@@ -336,22 +322,6 @@ impl RadiositySolution {
     /// How the sweeps went.
     pub fn convergence(&self) -> Convergence {
         self.convergence
-    }
-
-    /// Where the light goes.
-    pub fn energy(&self) -> EnergyBalance {
-        let elements = self.elements();
-        let areas: Vec<f32> = elements.iter().map(|e| e.area).collect();
-        let flux = |value: &(dyn Fn(usize) -> Vec3 + Sync)| {
-            weighted_sum(&areas, |i| DVec3::splat(f64::from(luminance(value(i))))).x
-        };
-        EnergyBalance {
-            direct_flux: flux(&|i| self.direct[i]),
-            indirect_flux: flux(&|i| self.indirect[i]),
-            absorbed_flux: flux(&|i| {
-                (Vec3::ONE - elements[i].reflectance) * (self.direct[i] + self.indirect[i])
-            }),
-        }
     }
 
     /// Bytes held, the shared transport included.

@@ -6,19 +6,57 @@
 
 use super::{
     specular::Seen,
-    subdivide::Between,
     surface_map::{BURIED, Chart, SurfaceMap, UNSOLVED},
 };
 use crate::math::random::{hash2, unit_f32};
 use rayon::prelude::*;
 
-/// An element without light of its own and the elements it takes it from.
-#[derive(Clone, Debug)]
-pub(super) struct Fill {
-    pub element: u32,
-    pub sources: Vec<u32>,
-    /// Weights of the sources, which sum to 1.
-    pub weights: Vec<f32>,
+/// Elements without light of their own and those they take it from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fills {
+    /// The element, and the end of its stretch of `sources`.
+    ends: Vec<(u32, usize)>,
+    /// Sources and their weights, which sum to 1 for each element.
+    sources: Vec<(u32, f32)>,
+}
+
+impl Fills {
+    /// Adds an element after those that it may take light from.
+    pub fn push(&mut self, element: u32, sources: impl IntoIterator<Item = (u32, f32)>) {
+        self.sources.extend(sources);
+        self.ends.push((element, self.sources.len()));
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// An element and its sources.
+    pub fn get(&self, i: usize) -> Option<(u32, &[(u32, f32)])> {
+        let (element, end) = *self.ends.get(i)?;
+        let start = if i == 0 { 0 } else { self.ends[i - 1].1 };
+        Some((element, &self.sources[start..end]))
+    }
+
+    /// Elements and their sources, in order.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (u32, &[(u32, f32)])> {
+        (0..self.len()).filter_map(|i| self.get(i))
+    }
+
+    /// Which of them each of `count` elements is; `u32::MAX` for none.
+    pub fn numbers(&self, count: usize) -> Vec<u32> {
+        let mut numbers = vec![u32::MAX; count];
+        for (number, (element, _)) in self.ends.iter().enumerate() {
+            numbers[*element as usize] = number as u32;
+        }
+        numbers
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.ends[..]) + size_of_val(&self.sources[..])
+    }
 }
 
 /// Marks buried nodes beside open ones as unsolved, so that the light around an object that stands
@@ -56,13 +94,10 @@ fn neighbours(chart: &Chart, node: usize, stride: [usize; 2]) -> impl Iterator<I
 /// Where unsolved nodes take their light from: between corners of leaves from those, then layer by layer
 /// outwards from what has light. Buried nodes keep their darkness; on quadtrees, whose nodes lie apart, they lend
 /// none: on grids the darkness reaches the rim, as what stands there covers a part of the rim's cells.
-pub(super) fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
+pub(super) fn fills(map: &SurfaceMap, between: Fills) -> Fills {
     let mut lit: Vec<bool> = map.elements.iter().map(|e| e.flags & UNSOLVED == 0).collect();
-    let mut fills: Vec<Fill> = Vec::new();
-    for Between { element, corners, weights } in between {
-        lit[element as usize] = true;
-        fills.push(Fill { element, sources: corners, weights });
-    }
+    let mut fills = between;
+    fills.iter().for_each(|(element, _)| lit[element as usize] = true);
     for (number, chart) in map.charts.iter().enumerate() {
         let first = chart.first_element as usize;
         let count = (chart.nx * chart.ny) as usize;
@@ -73,15 +108,13 @@ pub(super) fn fills(map: &SurfaceMap, between: Vec<Between>) -> Vec<Fill> {
         loop {
             let mut layer = Vec::new();
             open.retain(|&i| {
-                let sources: Vec<u32> =
-                    neighbours(chart, i, [1; 2]).filter(|&n| known[n - first]).map(|n| n as u32).collect();
-                let found = !sources.is_empty();
-                if found {
+                let sources = || neighbours(chart, i, [1; 2]).filter(|&n| known[n - first]);
+                let found = sources().count();
+                if found > 0 {
                     layer.push(i);
-                    let weights = vec![1.0 / sources.len() as f32; sources.len()];
-                    fills.push(Fill { element: (first + i) as u32, sources, weights });
+                    fills.push((first + i) as u32, sources().map(|n| (n as u32, 1.0 / found as f32)));
                 }
-                !found
+                found == 0
             });
             // All are filled, or what is left lies among buried nodes alone.
             if layer.is_empty() {
@@ -101,34 +134,29 @@ pub(super) fn redirect(
     map: &mut SurfaceMap,
     hits: &mut [u32],
     seen: &mut [Option<Box<Seen>>],
-    fills: &[Fill],
+    fills: &Fills,
 ) {
-    if fills.is_empty() {
+    if fills.len() == 0 {
         return;
     }
-    let mut fill_of = vec![u32::MAX; map.elements.len() + 1];
-    for (number, fill) in fills.iter().enumerate() {
-        fill_of[fill.element as usize] = number as u32;
-    }
-    for fill in fills.iter().rev() {
-        let area = std::mem::take(&mut map.elements[fill.element as usize].area);
-        for (source, weight) in fill.sources.iter().zip(&fill.weights) {
+    let number_of = fills.numbers(map.elements.len() + 1);
+    for (element, sources) in fills.iter().rev() {
+        let area = std::mem::take(&mut map.elements[element as usize].area);
+        for (source, weight) in sources {
             map.elements[*source as usize].area += area * weight;
         }
     }
     let lend = |hit: &mut u32, place: u32| {
         let mut step = 0;
-        while let Some(fill) = fills.get(fill_of[*hit as usize] as usize) {
+        while let Some((_, sources)) = fills.get(number_of[*hit as usize] as usize) {
             let mut xi = unit_f32(hash2(place, step));
-            let mut drawn = fill.sources[0];
-            for (source, weight) in fill.sources.iter().zip(&fill.weights) {
-                drawn = *source;
+            for (source, weight) in sources {
+                *hit = *source;
                 if xi < *weight {
                     break;
                 }
                 xi -= weight;
             }
-            *hit = drawn;
             step += 1;
         }
     };

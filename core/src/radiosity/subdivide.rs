@@ -14,7 +14,8 @@
 //! split. Not second differences of the solution: at a hundred rays they are mostly noise, which would be taken
 //! for detail.
 //!
-//! What is left on coarse leaves is noise more than bent light, so their corners cast twice the rays a level.
+//! What is left on coarse leaves is noise more than bent light, so rays go as the root of the area that elements
+//! stand for: the many small ones of small things cast few.
 //!
 //! Limits: edges of indirect shadows from far objects are not foreseen; vertex elements and the bodies of
 //! lamps keep their spacing; trees stay as they were when lamps move afterwards.
@@ -22,7 +23,8 @@
 use super::{
     RadiositySolution,
     gather::Gathering,
-    surface_map::{INTERPOLATED, OUTSIDE, SurfaceMap, UNSOLVED},
+    rims::Fills,
+    surface_map::{Chart, INTERPOLATED, OUTSIDE, SurfaceMap, UNSOLVED},
 };
 use crate::math::{colour::luminance, relative::floor_of};
 use glam::Vec3;
@@ -76,17 +78,6 @@ pub struct ChartTree {
 /// Grid steps of a root, and nodes of the finest grid, along an axis with `nodes` of the usual spacing.
 pub(super) fn root_and_nodes(nodes: u32, levels: u8) -> (u32, u32) {
     if nodes == 1 { (1, 1) } else { (1 << levels, ((nodes - 1) << levels) + 1) }
-}
-
-/// Where a node between corners of leaves takes its light from.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Between {
-    /// The node.
-    pub element: u32,
-    /// Solved corners of its leaf.
-    pub corners: Vec<u32>,
-    /// Their weights, which sum to 1.
-    pub weights: Vec<f32>,
 }
 
 impl ChartTree {
@@ -246,6 +237,29 @@ impl Draft {
 }
 
 impl SurfaceMap {
+    /// Area of a finest leaf, m²; `None` without quadtrees.
+    pub(super) fn finest_leaf_area(&self) -> Option<f32> {
+        let splits = self.trees.iter().flatten().map(|tree| tree.root[0].max(tree.root[1]).ilog2()).max()?;
+        Some((self.spacing_m / (1 << splits) as f32).powi(2))
+    }
+
+    /// Area that an element stands for among others like it, m²: on a grid all nodes of a level have the same.
+    pub(super) fn area_stood_for(&self, element: u32) -> f32 {
+        let element = element as usize;
+        let chart = self.elements[element].chart;
+        let Some(Chart { step_u, step_v, nx, ny, .. }) = self.charts.get(chart as usize) else {
+            return self.elements[element].area;
+        };
+        let cells = [*nx, *ny].map(|n| n.max(2) - 1);
+        let area = step_u.length() * step_v.length() * (cells[0] * cells[1]) as f32;
+        let (root, span) = match &self.trees[chart as usize] {
+            Some(tree) => (tree.root, tree.span(self.levels[element])),
+            None => ([1, 1], [1, 1]),
+        };
+        let roots = (cells[0] / root[0] + 1).min(*nx) * (cells[1] / root[1] + 1).min(*ny);
+        area / roots as f32 * (span[0] * span[1]) as f32 / (root[0] * root[1]) as f32
+    }
+
     /// Splits the leaves of a level that `wanted` names by the elements at their corners inside the region and
     /// their sides, m, and with `restricted` what lies beside them too coarse; whether any was.
     pub(super) fn subdivide(
@@ -300,8 +314,8 @@ impl SurfaceMap {
     }
 
     /// Nodes between corners and the solved corners they take their light from. Nodes with none stay away.
-    pub(super) fn between(&self) -> Vec<Between> {
-        let mut found = Vec::new();
+    pub(super) fn between(&self) -> Fills {
+        let mut found = Fills::default();
         for (tree, chart) in self.trees.iter().zip(&self.charts) {
             let Some(tree) = tree else { continue };
             let first = chart.first_element;
@@ -321,16 +335,13 @@ impl SurfaceMap {
                         }
                         let (s, t) = (a as f32 / span[0] as f32, b as f32 / span[1] as f32);
                         let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
-                        let (corners, mut weights): (Vec<u32>, Vec<f32>) = corners
-                            .iter()
-                            .zip(weights)
-                            .map(|(c, w)| (first + c, w))
-                            .filter(|(c, w)| *w > 0.0 && self.elements[*c as usize].flags & UNSOLVED == 0)
-                            .unzip();
-                        let sum: f32 = weights.iter().sum();
+                        let solved = |(c, w): &(u32, f32)| {
+                            *w > 0.0 && self.elements[*c as usize].flags & UNSOLVED == 0
+                        };
+                        let corners = corners.map(|c| first + c).into_iter().zip(weights).filter(solved);
+                        let sum: f32 = corners.clone().map(|(_, weight)| weight).sum();
                         if sum > 0.0 {
-                            weights.iter_mut().for_each(|w| *w /= sum);
-                            found.push(Between { element, corners, weights });
+                            found.push(element, corners.map(|(c, weight)| (c, weight / sum)));
                         }
                     }
                 }

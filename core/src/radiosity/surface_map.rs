@@ -17,6 +17,7 @@ use super::{
     charts::{Region, alone},
     layout::{chosen_spacing, faces, finite_diagonal, grid_nodes, lamp_bodies},
     lookup::{ElementBlend, SideMap, blend},
+    rims::Fills,
     subdivide::{ChartTree, root_and_nodes},
 };
 use crate::scene::{direct::Receiver, geometry::Geometry};
@@ -57,6 +58,11 @@ pub struct Element {
 }
 
 impl Element {
+    /// Its own place as a receiver.
+    pub fn receiver(&self) -> Receiver {
+        Receiver { position: self.position, normal: self.normal, geometric_normal: self.geometric_normal }
+    }
+
     /// Whether it has light of its own or between that of others on its region.
     pub fn is_shown(&self) -> bool {
         self.flags & UNSOLVED == 0 || self.flags & INTERPOLATED != 0
@@ -94,8 +100,10 @@ pub struct SurfaceMap {
     pub trees: Vec<Option<ChartTree>>,
     /// Level of the coarsest leaf that each element is a corner of; 0 without quadtrees.
     pub levels: Vec<u8>,
-    /// [`FOOTPRINT`] points an element, spread over the area it stands for.
-    pub footprints: Vec<Receiver>,
+    /// Points spread over the area that a solved element stands for.
+    pub footprints: Vec<[Receiver; FOOTPRINT]>,
+    /// Which of them are each element's; `u32::MAX` where it is not solved.
+    pub footprint_of: Vec<u32>,
     /// Spacing it was built with, m.
     pub spacing_m: f32,
 }
@@ -168,7 +176,7 @@ impl SurfaceMap {
         }
         map.add_vertices(geometry, &curved);
         map.mark_nodes();
-        map.weigh(geometry, &[]);
+        map.weigh(geometry, &Fills::default());
         Ok(map)
     }
 
@@ -186,6 +194,7 @@ impl SurfaceMap {
             + size_of_val(&self.elements[..])
             + size_of_val(&self.charts[..])
             + size_of_val(&self.footprints[..])
+            + size_of_val(&self.footprint_of[..])
             + size_of_val(&self.levels[..])
             + self.trees.iter().flatten().map(ChartTree::bytes).sum::<usize>()
     }
@@ -301,11 +310,6 @@ impl SurfaceMap {
     pub fn stride(&self, chart: usize, element: usize) -> [usize; 2] {
         let tree = self.trees[chart].as_ref();
         tree.map_or([1; 2], |tree| tree.span(self.levels[element]).map(|span| span as usize))
-    }
-
-    /// The points that stand for an element's area.
-    pub fn footprint(&self, element: usize) -> &[Receiver] {
-        &self.footprints[element * FOOTPRINT..][..FOOTPRINT]
     }
 }
 

@@ -5,7 +5,7 @@
 //! Slow on purpose: it exists for a z-test
 //! against [`super::irradiance`]. Lamps without a surface cannot be hit, so their light is missing.
 
-use super::{Estimate, irradiance::sets_of, path::receiver_of, stream_seed};
+use super::{Estimate, irradiance::sets_of, stream_seed};
 use crate::{
     math::{frame::uniform_direction, part::Part, random::Rng},
     scene::{accel::Ray, direct::Receiver, geometry::Surface, world::World},
@@ -61,7 +61,7 @@ fn path(world: &World, mut vertex: Receiver, part: Part, rng: &mut Rng) -> DVec3
             break;
         }
         throughput /= survival;
-        vertex = receiver_of(&surface);
+        vertex = Receiver::of(&surface);
         from = Some((surface, -wi));
     }
     sum

@@ -172,7 +172,7 @@ impl<'a> PathTracer<'a> {
         if reflectance == Vec3::ZERO {
             return Terms { emitted, ..Terms::default() };
         }
-        let incident = self.incident_random(&receiver_of(&surface), Part::All, rng);
+        let incident = self.incident_random(&Receiver::of(&surface), Part::All, rng);
         Terms {
             emitted,
             direct: reflectance * FRAC_1_PI * incident.direct,
@@ -236,7 +236,7 @@ impl<'a> PathTracer<'a> {
             if throughput == Vec3::ZERO {
                 break;
             }
-            let vertex = receiver_of(&next);
+            let vertex = Receiver::of(&next);
             out.vertices += 1;
             let (pick, point) = (rng.next_f32(), rng.next_vec2());
             let sampled = self.lights.sample(world, &vertex, Selection::One, pick, |_| point);
@@ -270,14 +270,5 @@ impl<'a> PathTracer<'a> {
         let total = cosine_density + light_density;
         let weight = if total > 0.0 { cosine_density / total } else { 0.0 };
         Some((radiance * (PI * weight), wi, surface))
-    }
-}
-
-/// The receiver at a surface, on the side seen.
-pub fn receiver_of(surface: &Surface) -> Receiver {
-    Receiver {
-        position: surface.position,
-        normal: surface.normal,
-        geometric_normal: surface.geometric_normal,
     }
 }

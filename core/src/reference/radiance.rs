@@ -3,12 +3,12 @@
 use super::{
     Estimate,
     irradiance::{irradiance_with, sets_of},
-    path::{PathTracer, receiver_of},
+    path::PathTracer,
     stream_seed,
 };
 use crate::{
     math::{part::Part, random::Rng},
-    scene::{accel::Ray, world::World},
+    scene::{accel::Ray, direct::Receiver, world::World},
 };
 use glam::{DVec3, Vec3};
 use std::f32::consts::FRAC_1_PI;
@@ -47,7 +47,7 @@ pub fn radiance_with(tracer: &PathTracer<'_>, ray: &Ray, samples: u32, seed: u64
     if scale == Vec3::ZERO {
         return exact(emitted);
     }
-    let arriving = irradiance_with(tracer, &receiver_of(&surface), Part::All, samples, seed);
+    let arriving = irradiance_with(tracer, &Receiver::of(&surface), Part::All, samples, seed);
     Estimate {
         mean: emitted + scale * arriving.mean,
         standard_error: scale * arriving.standard_error,

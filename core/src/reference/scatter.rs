@@ -14,13 +14,14 @@
 use super::{
     expression::{Automaton, Expression, MOST_STATES},
     lights::Selection,
-    path::{MAX_BOUNCES, PathTracer, SURE_BOUNCES, receiver_of},
+    path::{MAX_BOUNCES, PathTracer, SURE_BOUNCES},
 };
 use crate::{
     math::random::Rng,
     scene::{
         accel::Ray,
         brdf::Brdf,
+        direct::Receiver,
         geometry::Surface,
         glass::{Glass, Passed, Side},
         light_sample::LightSample,
@@ -122,7 +123,7 @@ impl PathTracer<'_> {
             out.vertices += 1;
             let pick = rng.next_f32();
             let mut lights = Rng::new(u64::from(rng.next_u32()), u64::from(rng.next_u32()));
-            let vertex = receiver_of(&surface);
+            let vertex = Receiver::of(&surface);
             let arrive = |sample: &LightSample| self.arriving(&surface, &brdf, wo, sample);
             let sampled =
                 self.lights().sum(self.world(), &vertex, selection, pick, |_| lights.next_vec2(), arrive);

@@ -7,7 +7,7 @@
 use super::{
     accel::Ray,
     emitters::{AreaEmitter, Emitter},
-    geometry::offset_origin,
+    geometry::{Surface, offset_origin},
     lamp::LampKind,
     world::World,
 };
@@ -32,6 +32,15 @@ impl Receiver {
     /// A receiver whose two normals agree.
     pub fn new(position: Vec3, normal: Vec3) -> Self {
         Self { position, normal, geometric_normal: normal }
+    }
+
+    /// The receiver at a surface, on the side seen.
+    pub fn of(surface: &Surface) -> Self {
+        Self {
+            position: surface.position,
+            normal: surface.normal,
+            geometric_normal: surface.geometric_normal,
+        }
     }
 
     /// Where shadow rays start.

@@ -26,8 +26,12 @@ use crate::{
         pass::mirror_image,
         reflectors::{NO_REFLECTOR, Reflectors},
     },
-    reference::path::receiver_of,
-    scene::{camera::Camera, direct::total_irradiance, geometry::Surface, glass::Side},
+    scene::{
+        camera::Camera,
+        direct::{Receiver, total_irradiance},
+        geometry::Surface,
+        glass::Side,
+    },
     transport::LightTransportSolution,
 };
 use glam::{UVec2, Vec2, Vec3};
@@ -269,7 +273,7 @@ impl<'a> Shading<'a> {
             DirectQuality::Elements => stored(Part::Direct),
             DirectQuality::PerPixel(_) if self.moved.stored_direct.contains(&object) => stored(Part::Direct),
             DirectQuality::PerPixel(samples) => {
-                total_irradiance(&solution.world, &receiver_of(surface), samples, scramble)
+                total_irradiance(&solution.world, &Receiver::of(surface), samples, scramble)
             }
         };
         let indirect = share * stored(Part::Indirect);

@@ -9,9 +9,9 @@
 
 use crate::{
     math::random::{hash, r2_point},
-    reference::path::receiver_of,
     scene::{
-        accel::Ray, brdf::Lobe, emitters::Emitter, geometry::Surface, light_sample::LightSample, world::World,
+        accel::Ray, brdf::Lobe, direct::Receiver, emitters::Emitter, geometry::Surface,
+        light_sample::LightSample, world::World,
     },
 };
 use glam::Vec3;
@@ -25,7 +25,7 @@ pub fn straight_light(world: &World, surface: &Surface, wo: Vec3, samples: u32, 
     let brdf = world.geometry.brdf(surface);
     let Some(specular) = brdf.specular.filter(|s| !s.is_mirror()) else { return Vec3::ZERO };
     let lobe = Lobe::Ggx { alpha: specular.alpha };
-    let (receiver, normal) = (receiver_of(surface), surface.normal);
+    let (receiver, normal) = (Receiver::of(surface), surface.normal);
     let rises = |wi: Vec3| surface.geometric_normal.dot(wi) > 0.0;
     let value = |wi: Vec3| brdf.value(normal, wi, wo)[1] * normal.dot(wi);
     let samples = samples.max(1);

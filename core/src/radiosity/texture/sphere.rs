@@ -106,7 +106,12 @@ impl SphereSurface {
 
     /// The latitude–longitude texture, four times as wide as the deepest patch has cells.
     pub fn texture(&self) -> RadiosityTexture {
-        let (w, h) = (4 * self.cells, 2 * self.cells + 1);
+        self.sampled(self.cells)
+    }
+
+    /// The latitude–longitude texture, four times as wide as `cells`.
+    pub fn sampled(&self, cells: u32) -> RadiosityTexture {
+        let (w, h) = (4 * cells, 2 * cells + 1);
         let step = Vec2::new(1.0 / w as f32, 1.0 / (h - 1) as f32);
         let image = LinearImage::from_fn(w, h, |x, y| match y {
             0 => self.at(Vec3::Y),
