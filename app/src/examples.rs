@@ -22,6 +22,8 @@ pub enum Example {
     House,
     /// The Cornell box with its radiosity on quadtrees.
     Quadtrees,
+    /// The Cornell box with a ball.
+    Ball,
     /// Four walls of constant radiance.
     FourWalls,
     /// A lit and a dark room divided by a thin wall.
@@ -47,10 +49,11 @@ macro_rules! scene_files {
 
 impl Example {
     /// Examples to look at, in the order they are offered.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Office,
         Self::Cornell,
         Self::Quadtrees,
+        Self::Ball,
         Self::Teapot,
         Self::Chrome,
         Self::Pyramid,
@@ -85,6 +88,7 @@ impl Example {
             Self::Glass => "Things of glass",
             Self::House => "House with a music room",
             Self::Quadtrees => "Cornell box on quadtrees",
+            Self::Ball => "Cornell box with a ball",
             Self::FourWalls => "Four constant walls",
             Self::TwoRooms => "Two rooms, one dark",
             Self::Tunnel => "Tunnel",
@@ -114,6 +118,9 @@ impl Example {
             Self::Quadtrees => {
                 "Elements split level by level where light bends: see Edges and T-vertices among the views."
             }
+            Self::Ball => {
+                "A ball whose light is one texture by longitude and latitude: click it with Texture open."
+            }
             Self::FourWalls => "Radiance 4, 3, 2 and 1 cd/m²: spheres that can be checked by hand.",
             Self::TwoRooms => "A wall 2 cm thick between light and dark: where a volume leaks.",
             Self::Tunnel => "Light dies off along it and is never 0.",
@@ -137,6 +144,7 @@ impl Example {
             Self::Glass => "example:glass",
             Self::House => "example:house",
             Self::Quadtrees => "example:quadtrees",
+            Self::Ball => "example:ball",
             Self::FourWalls => "example:four_walls",
             Self::TwoRooms => "example:two_rooms",
             Self::Tunnel => "example:tunnel",
@@ -153,6 +161,7 @@ impl Example {
             Self::Office => scene_files!["office/office.ron", "office/office.glb"],
             Self::Cornell => scene_files!["cornell/cornell.ron", "cornell/cornell.glb"],
             Self::Quadtrees => scene_files!["cornell/quadtrees.ron", "cornell/cornell.glb"],
+            Self::Ball => scene_files!["cornell/ball.ron", "cornell/ball.glb", "cornell/cornell.glb"],
             Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
             Self::Chrome => scene_files!["glossy/chrome.ron", "glossy/chrome.glb"],
             Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],

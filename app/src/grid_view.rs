@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{image::LinearImage, progress::Progress},
     measure::grid_texture::{GridReference, GridTexture, Stage, StageError, StageSettings},
+    radiosity::surface_map::Element,
     transport::LightTransportSolution,
 };
 use serde::{Deserialize, Serialize};
@@ -97,15 +98,15 @@ impl GridWork {
         request: &GridRequest,
     ) -> Option<Self> {
         let element = request.surface.element(solution)?;
-        let chart = solution.radiosity.elements()[element as usize].chart;
+        let Element { chart, object, .. } = solution.radiosity.elements()[element as usize];
         let same = |w: &Self| {
-            w.grid.chart == chart
+            (w.grid.chart, w.grid.object) == (chart, object)
                 && Arc::ptr_eq(&w.solution.radiosity, &solution.radiosity)
                 && Arc::ptr_eq(&w.solution.world, &solution.world)
         };
         let (grid, reference) = match known.filter(same) {
             Some(work) => (work.grid, work.reference),
-            None => (Arc::new(GridTexture::of_element(&solution.radiosity, element)?), None),
+            None => (Arc::new(GridTexture::of_element(&solution.radiosity, &solution.world, element)?), None),
         };
         let reference = request.traced.then(|| reference.unwrap_or_else(|| GridReference::new(&grid, SEED)));
         Some(Self { solution: solution.clone(), grid, settings: request.settings, reference })

@@ -8,10 +8,11 @@ use crate::glb::{Material, Model, Parts};
 use crate::shapes::{
     Shape,
     boxes::{hexahedron, lay_out, plain},
+    round::lathe,
     v,
 };
-use glam::DVec3;
-use std::path::PathBuf;
+use glam::{DVec2, DVec3};
+use std::{f64::consts::PI, path::PathBuf};
 
 const WIDTH: f64 = 0.5528;
 const HEIGHT: f64 = 0.5488;
@@ -24,12 +25,14 @@ fn published(x: f64, y: f64, z: f64) -> DVec3 {
     v(0.5 * WIDTH - x * 1e-3, y * 1e-3, -z * 1e-3)
 }
 
-/// `cornell/cornell.glb`, `cornell/cornell.ron` and, with quadtrees, `cornell/quadtrees.ron`.
+/// `cornell/cornell.glb`, `cornell/cornell.ron`; with quadtrees `cornell/quadtrees.ron`, with a ball `cornell/ball.ron`.
 pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
         ("cornell/cornell.glb".into(), model().bytes()),
         ("cornell/cornell.ron".into(), scene(RON)),
         ("cornell/quadtrees.ron".into(), scene(QUADTREES)),
+        ("cornell/ball.glb".into(), ball().bytes()),
+        ("cornell/ball.ron".into(), BALL.as_bytes().to_vec()),
     ]
 }
 
@@ -77,6 +80,33 @@ const QUADTREES: Words = [
     ),
 ",
 ];
+
+const BALL: &str = "\
+// The Cornell box with a ball on the short block: its light is one texture by longitude and latitude.
+(
+    models: [(file: \"cornell.glb\"), (file: \"ball.glb\")],
+    camera: Some((
+        eye: (0.0, 0.273, 0.8),
+        target: (0.0, 0.273, 0.0),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 0.6861,
+    )),
+    plan: (element_spacing_m: 0.02),
+)
+";
+
+/// A dull ball, 1 mm above the short block.
+fn ball() -> Model {
+    const RADIUS: f64 = 0.08;
+    let mut model = Model::default();
+    let white = model.material(Material::new("White", [0.73, 0.73, 0.73]));
+    let arc = |i: u32| f64::from(i) / 24.0 * PI;
+    let profile: Vec<DVec2> =
+        (0..=24).map(|i| DVec2::new(RADIUS * arc(i).sin(), -RADIUS * arc(i).cos())).collect();
+    let mesh = model.mesh(Parts::of(white, lathe(&profile, 48, false).welded()));
+    model.place("Ball", mesh, [0.09, 0.167 + RADIUS, -0.169], 0.0);
+    model
+}
 
 fn model() -> Model {
     let mut model = Model::default();

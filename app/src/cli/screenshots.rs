@@ -62,8 +62,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
                 .with_context(|| format!("--only {name}: there is no such example"))?,
         ),
     };
-    // The box on quadtrees looks like the box: the tour shows its edges.
-    let all = || Example::ALL.into_iter().filter(|e| !matches!(e, Example::Quadtrees)).collect();
+    // What looks like the box: the tour shows its edges, or its texture.
+    let shown_by_tour = |e: &Example| matches!(e, Example::Quadtrees | Example::Ball);
+    let all = || Example::ALL.into_iter().filter(|e| !shown_by_tour(e)).collect();
     let wanted = only.map_or_else(all, |only| vec![only]);
     for example in wanted {
         let path = examples::resolve(Path::new(example.key()))?;

@@ -51,8 +51,13 @@ pub fn run(
     let loaded = solve::load(scene, common)?;
     let solution = solve::solve(&loaded, false)?;
     let element = nearest(&solution.radiosity, at)?;
-    let Some(grid) = GridTexture::of_element(&solution.radiosity, element) else {
-        bail!("--at {},{},{}: the surface there is curved or small and lit at its corners", at.x, at.y, at.z);
+    let Some(grid) = GridTexture::of_element(&solution.radiosity, &solution.world, element) else {
+        bail!(
+            "--at {},{},{}: the surface there is curved and no ball, or small and lit at its corners",
+            at.x,
+            at.y,
+            at.z
+        );
     };
     let mut reference = GridReference::new(&grid, common.seed);
     solve::watched(|progress: &Progress| {

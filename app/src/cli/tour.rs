@@ -48,10 +48,11 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     if only.is_none() {
         tour.empty()?;
     }
-    let parts: [(Example, Scenes); 5] = [
+    let parts: [(Example, Scenes); 6] = [
         (Example::Office, Tour::office),
         (Example::Cornell, Tour::cornell),
         (Example::Quadtrees, Tour::quadtrees),
+        (Example::Ball, Tour::ball),
         (Example::Teapot, Tour::teapot),
         (Example::House, Tour::house),
     ];
@@ -234,7 +235,7 @@ impl Tour {
     /// Textures, lightmaps and the reference, in the Cornell box.
     fn cornell(&mut self) -> anyhow::Result<()> {
         self.open(Example::Cornell)?;
-        self.texture()?;
+        self.texture_at([0.56, 0.3], "texture")?;
         self.view(|view| view.compare = Compare::Reference);
         self.run(Command::StartReference);
         self.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
@@ -307,17 +308,23 @@ impl Tour {
         Ok(())
     }
 
-    /// The back wall's texture at its three stages, against the path tracer.
-    fn texture(&mut self) -> anyhow::Result<()> {
+    /// A ball's texture by longitude and latitude.
+    fn ball(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Ball)?;
+        self.texture_at([0.6, 0.55], "ball_texture")
+    }
+
+    /// The texture of a surface at its three stages, against the path tracer.
+    fn texture_at(&mut self, at: [f32; 2], name: &str) -> anyhow::Result<()> {
         self.click("Texture");
-        self.click_at([0.56, 0.3]);
+        self.click_at(at);
         self.view(|view| view.stages.stored = Filter::Nearest);
         self.view(|view| view.traced_texture = true);
         self.wait("the path tracer", |app| {
             let reference = app.session().texture.as_ref().and_then(|t| t.reference.as_ref());
             reference.is_some_and(|r| r.paths >= GridReference::PATHS * GridReference::ENOUGH)
         })?;
-        self.photograph("texture", GRAIN)?;
+        self.photograph(name, GRAIN)?;
         self.click("Spheres");
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())

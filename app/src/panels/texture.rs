@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
             ui.weak("The texture is being made…");
             return;
         }
-        ui.weak("This surface has no texture: it is curved or small and lit at its corners, or longer than 2,048 nodes.");
+        ui.weak("This surface has no texture: it is curved and no ball, or small and lit at its corners, or longer than 2,048 nodes.");
         return;
     };
     if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, shown)) {
@@ -78,8 +78,12 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
     let grid = &shown.grid;
     ui.add_space(4.0);
     ui.label(RichText::new(format!(
-        "Grid {}: {} × {} nodes over {:.2} × {:.2} m",
-        grid.chart, grid.nodes[0], grid.nodes[1], grid.size_m.x, grid.size_m.y
+        "{}: {} × {} nodes over {:.2} × {:.2} m",
+        if grid.is_ball() { "Ball by longitude and latitude".into() } else { format!("Grid {}", grid.chart) },
+        grid.nodes[0],
+        grid.nodes[1],
+        grid.size_m.x,
+        grid.size_m.y
     )));
     let aspect = grid.size_m.y / grid.size_m.x.max(1e-6);
     let width = ((ui.available_width() - 16.0) / 3.0).clamp(40.0, 240.0);

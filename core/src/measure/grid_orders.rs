@@ -6,7 +6,7 @@
 //! solver's own where it has one: a cell is a leaf unless a node that was solved lies between its corners. Beyond
 //! the grid the nodes of its border stand again.
 
-use super::grid_texture::{GridTexture, Stage};
+use super::grid_texture::{GridTexture, Smooth, Stage};
 use crate::radiosity::texture::{
     Quadtree, RadiosityTexture, Shape,
     convert::{fill_first_order, fill_zero_order, first_order, zero_order},
@@ -22,8 +22,9 @@ pub const ORDERS: [&str; 2] = ["zero order", "first order"];
 
 impl GridTexture {
     /// The textures of zero and first order, looked up nearest and bilinearly; `None` where the grid has more than
-    /// 1,024 cells along an edge.
+    /// 1,024 cells along an edge, or is a ball's.
     pub fn orders(&self) -> Option<[Stage; 2]> {
+        let Smooth::Grid(_, window) = self.smooth else { return None };
         let [nx, ny] = self.nodes;
         let height = (nx.max(ny) - 1).next_power_of_two().ilog2();
         if height > MOST_LEVELS {
@@ -48,7 +49,7 @@ impl GridTexture {
         let first = fill_first_order(&tree, &first_order(&tree, &radiosity).average());
         // The grid takes a share of the tree's square.
         let over_grid = |texture: RadiosityTexture| {
-            let (first, step) = (texture.first / self.window, texture.step / self.window);
+            let (first, step) = (texture.first / window, texture.step / window);
             RadiosityTexture { first, step, ..texture }
         };
         Some([

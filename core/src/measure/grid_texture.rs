@@ -9,7 +9,8 @@
 //!
 //! The reference is irradiance by the path tracer at the middles of equal cells over the grid, so that no
 //! stage is asked only where it is right by construction. Limits: a point beside a node outside the
-//! region has no light of its own and is not judged; surfaces lit at their corners have no grid.
+//! region has no light of its own and is not judged; surfaces lit at their corners have no grid, but for balls
+//! (`ball_texture`).
 
 use super::{MeasureError, image, perceptual};
 use crate::{
@@ -23,12 +24,13 @@ use crate::{
     radiosity::{
         RadiositySolution,
         reconstruct::{lattice, resampled, smooth},
-        surface_map::{Chart, INTERPOLATED, OUTSIDE},
+        surface_map::{Chart, Element, INTERPOLATED, OUTSIDE},
         texture::{
             RadiosityTexture,
             display::Filter,
             hermite::HermiteSurface,
             prefilter::{WIDEST, adaptive, gaussian},
+            sphere::SphereSurface,
         },
     },
     reference::{irradiance::irradiance_with, path::PathTracer},
@@ -95,8 +97,10 @@ pub struct StageError {
 /// A grid's light, and the points at which it is judged.
 #[derive(Clone, Debug)]
 pub struct GridTexture {
-    /// Number of the grid.
+    /// Number of the grid; `u32::MAX` for a ball.
     pub chart: u32,
+    /// Object that it belongs to.
+    pub object: u32,
     /// Columns and rows of nodes.
     pub nodes: [u32; 2],
     /// Width and height of the grid, m.
@@ -106,17 +110,27 @@ pub struct GridTexture {
     pub(super) stored: RadiosityTexture,
     /// Whether each node is interpolated by the solver and not solved, row by row.
     pub(super) open: Vec<bool>,
-    surface: HermiteSurface,
-    /// Share of the smooth function's square that the grid takes.
-    pub(super) window: Vec2,
-    receivers: Vec<Option<Receiver>>,
+    pub(super) smooth: Smooth,
+    pub(super) receivers: Vec<Option<Receiver>>,
+}
+
+/// The smooth function through what is stored.
+#[derive(Clone, Debug)]
+pub(super) enum Smooth {
+    /// Of a grid, and the share of its square that the grid takes.
+    Grid(HermiteSurface, Vec2),
+    /// Of the six patches of a ball.
+    Ball(Box<SphereSurface>),
 }
 
 impl GridTexture {
-    /// The grid that an element belongs to; `None` where it is no grid's, or the grid is a line or too long.
-    pub fn of_element(solution: &RadiositySolution, element: u32) -> Option<Self> {
-        let number = solution.elements().get(element as usize)?.chart;
-        let chart = solution.transport().map.charts.get(number as usize)?;
+    /// The grid or the ball that an element belongs to; `None` where it is neither's, or the grid is a line or too
+    /// long.
+    pub fn of_element(solution: &RadiositySolution, world: &World, element: u32) -> Option<Self> {
+        let Element { chart: number, object, .. } = *solution.elements().get(element as usize)?;
+        let Some(chart) = solution.transport().map.charts.get(number as usize) else {
+            return Self::of_ball(solution, world, element);
+        };
         if chart.nx.max(chart.ny) > MOST_NODES {
             return None;
         }
@@ -143,6 +157,7 @@ impl GridTexture {
         let (surface, window) = smooth(seen.nodes, &open, &light);
         Some(Self {
             chart: number,
+            object,
             nodes: [nx, ny],
             size_m: Vec2::new(
                 seen.steps[0].length() * (nx - 1) as f32,
@@ -151,8 +166,7 @@ impl GridTexture {
             points,
             stored: lattice(image),
             open: (0..nx * ny).map(|i| open(i % nx, i / nx)).collect(),
-            surface,
-            window,
+            smooth: Smooth::Grid(surface, window),
             receivers: receivers(solution, &seen, points),
         })
     }
@@ -160,7 +174,12 @@ impl GridTexture {
     /// The three stages.
     pub fn stages(&self, settings: &StageSettings) -> [Stage; 3] {
         let factor = settings.factor.clamp(1, 4);
-        let smooth = resampled(&self.surface, self.window, self.nodes.map(|n| (n - 1) * factor + 1));
+        let smooth = match &self.smooth {
+            Smooth::Grid(surface, window) => {
+                resampled(surface, *window, self.nodes.map(|n| (n - 1) * factor + 1))
+            }
+            Smooth::Ball(surface) => surface.sampled(self.nodes[0] / 4 * factor),
+        };
         let filtered = match settings.prefilter {
             Prefilter::Gaussian(width) => gaussian(&smooth, width.clamp(1, WIDEST)),
             Prefilter::Adaptive => adaptive(&smooth, super::reconstruction::ADAPTIVE_TOLERANCE),

@@ -3,6 +3,7 @@
 //! Several numbers and not one: squared errors weigh fireflies, relative ones weigh shadows, FLIP and
 //! the perceptual difference weigh what is seen, signed ones tell bias from noise.
 
+mod ball_texture;
 pub mod chart;
 pub mod grid_orders;
 pub mod grid_texture;
