@@ -73,7 +73,7 @@ impl IrradianceVolume {
     /// The order in which queries come cell by cell; `None` where they are few, mostly do already, or ask so little
     /// that all of it is near.
     fn cell_by_cell(&self, queries: &[Query]) -> Option<Vec<u32>> {
-        let little = self.settings.basis == Basis::Harmonics && self.guard.is_none();
+        let little = self.settings.basis != Basis::Bins && self.guard.is_none();
         if queries.len() < MANY || little {
             return None;
         }

@@ -165,6 +165,9 @@ pub fn arrivals(world: &World, emitter: &Emitter, position: Vec3, settings: &Vol
 /// Luminous surfaces of more triangles than this are sampled over their area, not cut.
 const MESHED: usize = 64;
 
+/// Shadow rays to an emitter from which on what may stand in their way is found first.
+const MANY: u32 = 8;
+
 /// Widest leaf, m of edge a metre of distance: the mid-point cosine then errs by under 1 %.
 const WIDEST: f32 = 0.35;
 
@@ -199,7 +202,10 @@ impl<'a> Asked<'a> {
             Emitter::Lamp { lamp, .. } => self.list.extend(of_lamp(self.world, lamp, position)),
             Emitter::Area(area) if area.radiance == Vec3::ZERO => {}
             Emitter::Area(area) => {
-                if !self.world.glass {
+                // A shaft costs about as much as half a dozen rays.
+                if self.world.glass || asking.rays < MANY {
+                    self.shaft.unknown();
+                } else {
                     self.world.accel.look(position, self.bounds, &mut self.shaft);
                 }
                 if area.triangles.len() > MESHED {

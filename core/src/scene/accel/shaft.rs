@@ -83,6 +83,13 @@ impl Places {
     }
 }
 
+impl Shaft {
+    /// Of which nothing is known: rays are asked of the tree, which is cheaper where there are few.
+    pub fn unknown(&mut self) {
+        self.crowded = true;
+    }
+}
+
 impl Accel {
     /// Finds what may stand between a point and any place in a box.
     pub fn look(&self, from: Vec3, [low, high]: [Vec3; 2], shaft: &mut Shaft) {
