@@ -28,6 +28,7 @@ const DIRECTIONAL: u32 = 2u;
 const DOUBLE_SIDED: u32 = 1u;
 const TEXTURED: u32 = 2u;
 const ANALYTIC_TRIANGLES: u32 = 16u;
+const SEARCH: u32 = 16u;
 const FAR: f32 = 3.0e38;
 
 struct Receiver {
@@ -236,7 +237,9 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
     var total = 0.0;
     var visible = vec3f(0.0);
     var sum = vec3f(0.0);
-    for (var j = 0u; j < rays; j++) {
+    // Where all points fell on what faces away or lies below the horizon, more are drawn until one does not.
+    let most = select(rays, SEARCH * rays, analytic);
+    for (var j = 0u; j < most && (j < rays || total == 0.0); j++) {
         let drawn = area_sample(tree_count, emitter, receiver, j, scramble);
         total += drawn.weight;
         visible += drawn.seen * drawn.weight;

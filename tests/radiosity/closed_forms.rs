@@ -5,9 +5,14 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::part::Part,
     radiosity::RadiositySettings,
-    scene::{Scene, mesh::Mesh},
+    scene::{
+        Scene,
+        direct::{Receiver, total_irradiance},
+        mesh::Mesh,
+        world::World,
+    },
 };
-use lumenscope_tests::{add, add_point_lamp, cuboid, diffuse, rectangle};
+use lumenscope_tests::{add, add_point_lamp, box_room, cuboid, diffuse, rectangle};
 use std::f32::consts::PI;
 
 /// A unit sphere seen from inside: an icosahedron split `levels` times, with smooth normals.
@@ -204,5 +209,17 @@ fn rectangular_lamp_gives_the_closed_form() {
         assert!((elements / expected - 1.0).abs() < 0.005, "{elements} for {expected} at ({x}, {z})");
         let exact = solution.irradiance_exact_direct(&world, &surface, Part::Direct, 16, 1).x;
         assert!((exact / expected - 1.0).abs() < 1e-3, "{exact} for {expected} at ({x}, {z})");
+    }
+}
+
+#[test]
+fn a_point_on_what_faces_away_says_nothing_of_the_rest() {
+    // Half of the walls lie behind a receiver: one ray must find those before it, whose light is 10 π.
+    let world = World::new(&box_room(0.5, 10.0));
+    let receiver = Receiver::new(Vec3::new(0.2, -0.3, 0.1), Vec3::new(2.0, 3.0, 6.0) / 7.0);
+    for scramble in 0..1000 {
+        let found = total_irradiance(&world, &receiver, 1, scramble).x;
+        // Single precision.
+        assert!((found / (10.0 * PI) - 1.0).abs() < 1e-4, "{found} lx of scramble {scramble}");
     }
 }

@@ -135,12 +135,11 @@ fn a_ball_is_one_texture_by_longitude_and_latitude() {
     let furnace = of(&solution, solution.scene.objects.len() as u32 - 1).expect("a ball");
     assert!(furnace.is_ball() && (furnace.size_m.x / (0.8 * PI) - 1.0).abs() < 1e-3, "{}", furnace.size_m);
     for stage in furnace.stages(&StageSettings::default()) {
-        // Rays leave some 3 % on each of the elements, found: 2 % is what the mean may be off.
+        // Facets of 7.5° hide a part of what the ball's normals face, 1 % found on average, 2.4 % at worst.
         let off: Vec<f32> = stage.picture([32, 16]).pixels.iter().map(|p| p.x / (20.0 * PI) - 1.0).collect();
-        let mean = off.iter().sum::<f32>() / off.len() as f32;
-        let spread = (off.iter().map(|o| (o - mean).powi(2)).sum::<f32>() / off.len() as f32).sqrt();
-        println!("furnace: mean {mean:.4}, spread {spread:.4}");
-        assert!(mean.abs() < 0.02, "{mean}");
+        let worst = off.iter().fold(0.0f32, |worst, o| worst.max(o.abs()));
+        println!("furnace: {worst:.4} off at worst");
+        assert!(worst < 0.03, "{worst}");
     }
     // Lit from one side: the Cornell box with a ball in it, against the path tracer, without a seam.
     let mut scene = cornell();

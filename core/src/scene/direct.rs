@@ -17,6 +17,9 @@ use glam::{DVec3, Vec3};
 /// Area emitters of at most this many triangles are integrated in closed form.
 pub const ANALYTIC_TRIANGLES: usize = 16;
 
+/// How many times as many points are drawn at most, where all of the first lie where the light does not come from.
+const SEARCH: u32 = 16;
+
 /// A place to receive light, on one side of a surface or in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
@@ -72,6 +75,7 @@ pub fn irradiance(
         Emitter::Area(area) if has_closed_form(area) => {
             let mut light = PartlyHidden::default();
             light.add(world, area, receiver, samples, scramble);
+            light.search(world, area, [(receiver, scramble)].into_iter(), samples);
             area.radiance * light.factor()
         }
         Emitter::Area(area) => {
@@ -95,7 +99,7 @@ pub fn irradiance(
 pub fn mean_irradiance<'a>(
     world: &World,
     emitter: &Emitter,
-    receivers: impl ExactSizeIterator<Item = (&'a Receiver, u32)>,
+    receivers: impl ExactSizeIterator<Item = (&'a Receiver, u32)> + Clone,
     samples: u32,
 ) -> Vec3 {
     let count = receivers.len().max(1) as f32;
@@ -103,9 +107,11 @@ pub fn mean_irradiance<'a>(
         && has_closed_form(area)
     {
         let mut light = PartlyHidden::default();
-        for (receiver, scramble) in receivers.filter(|(r, _)| !below_horizon(area, r)) {
+        let facing = receivers.filter(|(r, _)| !below_horizon(area, r));
+        for (receiver, scramble) in facing.clone() {
             light.add(world, area, receiver, samples, scramble);
         }
+        light.search(world, area, facing, samples);
         return area.radiance * light.factor() / count;
     }
     receivers.fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble))
@@ -128,9 +134,31 @@ impl PartlyHidden {
         }
         self.unshadowed += factor;
         for j in 0..samples.max(1) {
-            let Some(sample) = area_sample(world, area, receiver, j, scramble) else { continue };
-            self.total += sample.weight;
-            self.visible += sample.seen(world, receiver) * sample.weight;
+            self.sample(world, area, receiver, j, scramble);
+        }
+    }
+
+    fn sample(&mut self, world: &World, area: &AreaEmitter, receiver: &Receiver, j: u32, scramble: u32) {
+        let Some(sample) = area_sample(world, area, receiver, j, scramble) else { return };
+        self.total += sample.weight;
+        self.visible += sample.seen(world, receiver) * sample.weight;
+    }
+
+    /// Where all points fell on what faces away or lies below the horizon, nothing is known of the rest yet: more
+    /// points, until one does not.
+    fn search<'a>(
+        &mut self,
+        world: &World,
+        area: &AreaEmitter,
+        receivers: impl Iterator<Item = (&'a Receiver, u32)> + Clone,
+        samples: u32,
+    ) {
+        let samples = samples.max(1);
+        for j in samples..SEARCH * samples {
+            if self.total > 0.0 || self.unshadowed == 0.0 {
+                return;
+            }
+            receivers.clone().for_each(|(r, scramble)| self.sample(world, area, r, j, scramble));
         }
     }
 
