@@ -21,7 +21,7 @@ use lumenscope_core::{
         ignored::Ignored,
         probe::{Probe, Quantity},
     },
-    math::{image::LinearImage, part::Part, sphere_values::SphereValues},
+    math::{colour::srgb8, image::LinearImage, part::Part, sphere_values::SphereValues},
     registry::VIEWS,
     scene::{accel::Ray, geometry::Surface},
     superposition::{
@@ -181,6 +181,14 @@ pub fn write_pictures(
         let page = ground.framed(view.title, &scene, &scene.colours(&ColourSettings::default()));
         let path = folder.join(format!("view_{}.png", view.id));
         write(&path, page.width as u32, page.height as u32, &page.pixels)?;
+        for (i, named) in scene.images.iter().enumerate().filter(|_| view.id == "mirror.images") {
+            let pixels = named.image.pixels.iter().map(|p| {
+                let [r, g, b] = srgb8(*p);
+                [r, g, b, 255]
+            });
+            let path = folder.join(format!("view_{}_{i}.png", view.id));
+            write(&path, named.image.width, named.image.height, &pixels.collect::<Vec<_>>())?;
+        }
         if let Some(legend) = &scene.legend {
             let range = serde_json::json!({ "title": view.title, "quantity": legend.quantity, "unit": legend.unit, "range": legend.range });
             legends.insert(view.id.into(), range);

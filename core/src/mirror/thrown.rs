@@ -141,14 +141,22 @@ impl Images {
             Emitter::Area(area) => {
                 let closed = direct::has_closed_form(area);
                 let (mut sum, mut unshadowed, mut through, mut total) = (Vec3::ZERO, 0.0, Vec3::ZERO, 0.0);
+                let mut seeing = Vec::with_capacity(receivers.len());
                 for (receiver, image, scramble) in seen_from {
                     let factor = if closed { direct::area_factor(world, area, &image) } else { 0.0 };
-                    if closed && factor == 0.0 {
-                        continue;
+                    if !closed || factor > 0.0 {
+                        unshadowed += factor;
+                        seeing.push((receiver, image, scramble));
                     }
-                    unshadowed += factor;
-                    for j in 0..samples.max(1) {
-                        let Some(sample) = direct::area_sample(world, area, &image, j, scramble) else {
+                }
+                let samples = samples.max(1);
+                let most = if closed { direct::SEARCH * samples } else { samples };
+                for j in 0..most {
+                    if j >= samples && total > 0.0 {
+                        break;
+                    }
+                    for (receiver, image, scramble) in &seeing {
+                        let Some(sample) = direct::area_sample(world, area, image, j, *scramble) else {
                             continue;
                         };
                         let share = passed(receiver, Target::Point(sample.target)) * sample.weight;
@@ -158,7 +166,7 @@ impl Images {
                     }
                 }
                 if !closed {
-                    return sum * (area.area() / samples.max(1) as f32);
+                    return sum * (area.area() / samples as f32);
                 }
                 if total > 0.0 { area.radiance * through * (unshadowed / total) } else { Vec3::ZERO }
             }

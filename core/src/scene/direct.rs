@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 pub const ANALYTIC_TRIANGLES: usize = 16;
 
 /// How many times as many points are drawn at most, where all of the first lie where the light does not come from.
-const SEARCH: u32 = 16;
+pub(crate) const SEARCH: u32 = 16;
 
 /// A place to receive light, on one side of a surface or in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
