@@ -127,7 +127,7 @@ fn view(options: &Options, world: &World, camera: &Camera) -> anyhow::Result<Ker
         }
         (None, None) => {
             let buffer = buffer();
-            // Below the middle of the picture, where tables and floors are.
+            // Low in the picture, where tables and floors are, before what stands on them touches them.
             let wanted = (size.as_vec2() * Vec2::new(0.5, 0.85)).as_ivec2();
             let mut pixels: Vec<UVec2> =
                 (0..size.x * size.y).step_by(7).map(|i| UVec2::new(i % size.x, i / size.x)).collect();

@@ -150,6 +150,7 @@ impl Images {
                     }
                 }
                 let samples = samples.max(1);
+                // As for light without a mirror: nothing is known while all points face away.
                 let most = if closed { direct::SEARCH * samples } else { samples };
                 for j in 0..most {
                     if j >= samples && total > 0.0 {
