@@ -3,7 +3,8 @@
 //! Emitters are not left to the radiance bins: a bin is 8° wide at n = 17, and a small luminaire would be
 //! missed or counted whole (Greger §4.2.2 names this the one large error). Every emitter is asked by
 //! itself instead. A lamp gives one [`Arrival`]; a luminous surface is cut into leaves, each with its
-//! exact vector irradiance. The irradiance of a bin is then Σ weight · max(0, ω·direction), and a lamp that moves touches nobody else's list.
+//! exact vector irradiance. The irradiance of a bin is then Σ weight · max(0, ω·direction), and a lamp that moves
+//! touches nobody else's list.
 
 use super::{
     VolumeSettings,

@@ -11,7 +11,7 @@
 use super::reflectors::{NO_REFLECTOR, Reflector, Reflectors};
 use crate::scene::{
     accel::Ray,
-    direct::{self, Receiver},
+    direct::{self, AreaSample, Receiver},
     emitters::Emitter,
     geometry::{Geometry, offset_origin},
     lamp::{Lamp, LampKind},
@@ -139,37 +139,26 @@ impl Images {
             }),
             Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec3::ZERO,
             Emitter::Area(area) => {
-                let closed = direct::has_closed_form(area);
-                let (mut sum, mut unshadowed, mut through, mut total) = (Vec3::ZERO, 0.0, Vec3::ZERO, 0.0);
-                let mut seeing = Vec::with_capacity(receivers.len());
-                for (receiver, image, scramble) in seen_from {
-                    let factor = if closed { direct::area_factor(world, area, &image) } else { 0.0 };
-                    if !closed || factor > 0.0 {
-                        unshadowed += factor;
-                        seeing.push((receiver, image, scramble));
-                    }
+                let seen_from = seen_from.map(|(receiver, image, scramble)| ((receiver, image), scramble));
+                let arrives =
+                    |receiver: &Receiver, sample: &AreaSample| passed(receiver, Target::Point(sample.target));
+                if direct::has_closed_form(area) {
+                    return direct::partly_hidden(
+                        world,
+                        area,
+                        seen_from,
+                        samples,
+                        |r| &r.1,
+                        |r, s| arrives(r.0, s),
+                    );
                 }
                 let samples = samples.max(1);
-                // As for light without a mirror: nothing is known while all points face away.
-                let most = if closed { direct::SEARCH * samples } else { samples };
-                for j in 0..most {
-                    if j >= samples && total > 0.0 {
-                        break;
-                    }
-                    for (receiver, image, scramble) in &seeing {
-                        let Some(sample) = direct::area_sample(world, area, image, j, *scramble) else {
-                            continue;
-                        };
-                        let share = passed(receiver, Target::Point(sample.target)) * sample.weight;
-                        total += sample.weight;
-                        through += share;
-                        sum += sample.radiance * share;
-                    }
-                }
-                if !closed {
-                    return sum * (area.area() / samples as f32);
-                }
-                if total > 0.0 { area.radiance * through * (unshadowed / total) } else { Vec3::ZERO }
+                let sum = seen_from.fold(Vec3::ZERO, |sum, ((receiver, image), scramble)| {
+                    let points =
+                        (0..samples).filter_map(|j| direct::area_sample(world, area, &image, j, scramble));
+                    points.fold(sum, |sum, s| sum + s.radiance * arrives(receiver, &s) * s.weight)
+                });
+                sum * (area.area() / samples as f32)
             }
         }
     }

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 pub const ANALYTIC_TRIANGLES: usize = 16;
 
 /// How many times as many points are drawn at most, where all of the first lie where the light does not come from.
-pub(crate) const SEARCH: u32 = 16;
+const SEARCH: u32 = 16;
 
 /// A place to receive light, on one side of a surface or in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,10 +73,8 @@ pub fn irradiance(
         }
         Emitter::Area(area) if area.radiance == Vec3::ZERO || below_horizon(area, receiver) => Vec3::ZERO,
         Emitter::Area(area) if has_closed_form(area) => {
-            let mut light = PartlyHidden::default();
-            light.add(world, area, receiver, samples, scramble);
-            light.search(world, area, [(receiver, scramble)].into_iter(), samples);
-            area.radiance * light.factor()
+            let one = [(receiver, scramble)];
+            partly_hidden(world, area, one.into_iter(), samples, |r| *r, |r, s| s.seen(world, r))
         }
         Emitter::Area(area) => {
             let mut sum = Vec3::ZERO;
@@ -106,66 +104,56 @@ pub fn mean_irradiance<'a>(
     if let Emitter::Area(area) = emitter
         && has_closed_form(area)
     {
-        let mut light = PartlyHidden::default();
         let facing = receivers.filter(|(r, _)| !below_horizon(area, r));
-        for (receiver, scramble) in facing.clone() {
-            light.add(world, area, receiver, samples, scramble);
-        }
-        light.search(world, area, facing, samples);
-        return area.radiance * light.factor() / count;
+        return partly_hidden(world, area, facing, samples, |r| *r, |r, s| s.seen(world, r)) / count;
     }
     receivers.fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble))
         / count
 }
 
-/// Closed-form irradiance of receivers from one emitter of unit radiance, and how much of it is seen.
-#[derive(Default)]
-struct PartlyHidden {
-    unshadowed: f32,
-    visible: Vec3,
-    total: f32,
-}
-
-impl PartlyHidden {
-    fn add(&mut self, world: &World, area: &AreaEmitter, receiver: &Receiver, samples: u32, scramble: u32) {
-        let factor = area_factor(world, area, receiver);
-        if factor == 0.0 || area.radiance == Vec3::ZERO {
-            return;
-        }
-        self.unshadowed += factor;
-        for j in 0..samples.max(1) {
-            self.sample(world, area, receiver, j, scramble);
-        }
+/// Sum over receivers of the closed-form irradiance from one emitter, lx per channel, times the share of it that
+/// `seen` lets arrive at `samples` points.
+///
+/// Where all points fell on what faces away or lies below the horizon, nothing is known of the rest yet: more are
+/// drawn, until one does not.
+pub(crate) fn partly_hidden<R>(
+    world: &World,
+    area: &AreaEmitter,
+    receivers: impl Iterator<Item = (R, u32)> + Clone,
+    samples: u32,
+    receiver: impl Fn(&R) -> &Receiver,
+    seen: impl Fn(&R, &AreaSample) -> Vec3,
+) -> Vec3 {
+    if area.radiance == Vec3::ZERO {
+        return Vec3::ZERO;
     }
-
-    fn sample(&mut self, world: &World, area: &AreaEmitter, receiver: &Receiver, j: u32, scramble: u32) {
-        let Some(sample) = area_sample(world, area, receiver, j, scramble) else { return };
-        self.total += sample.weight;
-        self.visible += sample.seen(world, receiver) * sample.weight;
-    }
-
-    /// Where all points fell on what faces away or lies below the horizon, nothing is known of the rest yet: more
-    /// points, until one does not.
-    fn search<'a>(
-        &mut self,
-        world: &World,
-        area: &AreaEmitter,
-        receivers: impl Iterator<Item = (&'a Receiver, u32)> + Clone,
-        samples: u32,
-    ) {
-        let samples = samples.max(1);
-        for j in samples..SEARCH * samples {
-            if self.total > 0.0 || self.unshadowed == 0.0 {
-                return;
-            }
-            receivers.clone().for_each(|(r, scramble)| self.sample(world, area, r, j, scramble));
+    let samples = samples.max(1);
+    let (mut unshadowed, mut visible, mut total) = (0.0, Vec3::ZERO, 0.0);
+    let point = |from: &R, j: u32, scramble: u32| {
+        let sample = area_sample(world, area, receiver(from), j, scramble)?;
+        Some((seen(from, &sample) * sample.weight, sample.weight))
+    };
+    for (from, scramble) in receivers.clone() {
+        let factor = area_factor(world, area, receiver(&from));
+        if factor == 0.0 {
+            continue;
+        }
+        unshadowed += factor;
+        for (light, weight) in (0..samples).filter_map(|j| point(&from, j, scramble)) {
+            visible += light;
+            total += weight;
         }
     }
-
-    /// Sum over the receivers, sr projected.
-    fn factor(&self) -> Vec3 {
-        if self.total > 0.0 { self.visible * (self.unshadowed / self.total) } else { Vec3::ZERO }
+    for j in samples..SEARCH * samples {
+        if total > 0.0 || unshadowed == 0.0 {
+            break;
+        }
+        for (light, weight) in receivers.clone().filter_map(|(from, scramble)| point(&from, j, scramble)) {
+            visible += light;
+            total += weight;
+        }
     }
+    if total > 0.0 { area.radiance * visible * (unshadowed / total) } else { Vec3::ZERO }
 }
 
 /// Whether light of an area emitter is the closed form times the share that is seen, or sampled as a whole.
