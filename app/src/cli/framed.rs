@@ -14,7 +14,7 @@ const STRIP: usize = 136;
 const MARGIN: usize = 10;
 /// Width of the bar and height of a line of text, pixels.
 const BAR: usize = 16;
-const LINE: usize = 12;
+const LINE: usize = 14;
 
 /// What views are drawn over.
 pub struct Ground<'a> {

@@ -96,9 +96,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let loaded = solve::load(&options.scene, common)?;
     let mut table = Table { out, text: String::from("roughness,method") };
     for area in Area::ALL {
-        let _ = write!(table.text, ",rel_mse_{}", area.name());
+        let _ = write!(table.text, ",rel_mse_{0},flip_{0}", area.name());
     }
-    table.text += ",flip,rel_mse_paths,flip_paths,milliseconds,build_seconds\n";
+    table.text += ",rel_mse_paths,flip_paths,milliseconds,build_seconds\n";
     for &roughness in &options.roughness {
         let scene = with_roughness(&loaded.scene, roughness);
         if !Reflectors::new(&Geometry::new(&scene))
@@ -144,15 +144,12 @@ struct Table<'a> {
 impl Table<'_> {
     /// Prints the head of one roughness and writes the references.
     fn begin(&self, roughness: f32, judge: &Judge) -> anyhow::Result<()> {
-        let shares = judge.shares().map(|s| format!("{:>9.1}%", 100.0 * s)).join("");
+        let shares = judge.shares().map(|s| format!("{:>14.1}%", 100.0 * s)).join("");
         println!(
-            "roughness {roughness}: relMSE against the lobe by rays, the reference's own variance taken off"
+            "roughness {roughness}: relMSE / FLIP against the lobe by rays, the reference's own variance taken off"
         );
-        let names = Area::ALL.map(|a| format!("{:>10}", a.name())).join("");
-        println!(
-            "{:<18}{names}{:>8}{:>11}{:>8}{:>11}{:>9}",
-            "method", "FLIP", "by paths", "FLIP", "ms a frame", "s before"
-        );
+        let names = Area::ALL.map(|a| format!("{:>15}", a.name())).join("");
+        println!("{:<18}{names}{:>15}{:>11}{:>9}", "method", "by paths", "ms a frame", "s before");
         println!("{:<18}{shares}", "share of pixels");
         self.picture("rays", roughness, &judge.by_rays.picture, &judge.by_rays)?;
         match &judge.by_paths {
@@ -172,22 +169,16 @@ impl Table<'_> {
     ) -> anyhow::Result<()> {
         self.picture(&name.replace(' ', "_"), roughness, picture, &judge.by_rays)?;
         let errors = judge.errors(picture, &judge.by_rays)?;
-        let flip = judge.flip(&flip_map(picture, &judge.by_rays.picture)?);
-        let (by_paths, flip_paths) = match &judge.by_paths {
-            Some(paths) => {
-                (judge.errors(picture, paths)?[0], judge.flip(&flip_map(picture, &paths.picture)?))
-            }
-            None => (f64::NAN, f64::NAN),
+        let [by_paths, ..] = match &judge.by_paths {
+            Some(paths) => judge.errors(picture, paths)?,
+            None => [[f64::NAN; 2]; 6],
         };
-        let shown = errors.map(|e| format!("{e:>10.5}")).join("");
-        println!(
-            "{name:<18}{shown}{flip:>8.4}{by_paths:>11.5}{flip_paths:>8.4}{milliseconds:>11.1}{build_seconds:>9.2}"
-        );
-        let errors = errors.map(|e| e.to_string()).join(",");
-        let _ = writeln!(
-            self.text,
-            "{roughness},{name},{errors},{flip},{by_paths},{flip_paths},{milliseconds},{build_seconds}"
-        );
+        let shown =
+            errors.iter().chain([&by_paths]).map(|[rel_mse, flip]| format!("{rel_mse:>8.5} /{flip:>5.3}"));
+        println!("{name:<18}{}{milliseconds:>11.1}{build_seconds:>9.2}", shown.collect::<String>());
+        let figures = errors.iter().chain([&by_paths]).flatten().chain([&milliseconds, &build_seconds]);
+        let figures = figures.map(|figure| format!(",{figure}")).collect::<String>();
+        let _ = writeln!(self.text, "{roughness},{name}{figures}");
         Ok(())
     }
 
@@ -237,7 +228,7 @@ pub fn flip(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<f6
 }
 
 /// FLIP of each pixel of two pictures as the display shows them, exposed for the second.
-fn flip_map(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<Vec<f32>> {
+pub fn flip_map(picture: &LinearImage, reference: &LinearImage) -> anyhow::Result<Vec<f32>> {
     let display = auto_display(reference);
     let [a, b] = [picture, reference].map(|p| composite::display(p, &display));
     Ok(image::flip_displayed(&a, &b, picture.width, image::PIXELS_PER_DEGREE)?.map)

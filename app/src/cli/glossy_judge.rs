@@ -1,6 +1,9 @@
 //! What `glossy` holds its methods to: the lobe by rays under the same light, and the path tracer.
 
-use super::{glossy::Options, solve};
+use super::{
+    glossy::{Options, flip_map},
+    solve,
+};
 use anyhow::bail;
 use glam::Vec3;
 use lumenscope_core::{
@@ -128,24 +131,24 @@ impl Judge {
         Area::ALL.map(|area| count(area) / count(Area::All))
     }
 
-    /// relMSE without the reference's noise, by area.
+    /// relMSE without the reference's noise, and mean FLIP, by area; NaN where an area has no pixel.
     ///
     /// # Errors
     /// Where sizes differ.
-    pub fn errors(&self, picture: &LinearImage, reference: &Reference) -> anyhow::Result<[f64; 6]> {
-        let mut out = [0.0; 6];
+    pub fn errors(&self, picture: &LinearImage, reference: &Reference) -> anyhow::Result<[[f64; 2]; 6]> {
+        let flip = flip_map(picture, &reference.picture)?;
+        let mut out = [[f64::NAN; 2]; 6];
         for (found, area) in out.iter_mut().zip(Area::ALL) {
             let counts = |i: usize| self.holds(area, i);
-            *found = image::rel_mse_without_noise(picture, &reference.picture, &reference.variance, counts)?;
+            let inside = (0..flip.len()).filter(|&i| counts(i)).map(|i| f64::from(flip[i]));
+            let (count, sum) = inside.fold((0u32, 0.0), |(count, sum), flip| (count + 1, sum + flip));
+            if count > 0 {
+                let (truth, variance) = (&reference.picture, &reference.variance);
+                let rel_mse = image::rel_mse_without_noise(picture, truth, variance, counts)?;
+                *found = [rel_mse, sum / f64::from(count)];
+            }
         }
         Ok(out)
-    }
-
-    /// Mean FLIP of the glossy pixels, from a map of all.
-    pub fn flip(&self, map: &[f32]) -> f64 {
-        let glossy = (0..map.len()).filter(|&i| self.holds(Area::All, i));
-        let (sum, count) = glossy.fold((0.0, 0), |(s, n), i| (s + f64::from(map[i]), n + 1));
-        sum / f64::from(count.max(1))
     }
 }
 

@@ -1,11 +1,27 @@
 //! A page of pictures, lines and words that the command line draws.
 
-use font8x8::UnicodeFonts;
+use egui::{
+    Color32, FontDefinitions, FontId,
+    epaint::text::{Fonts, TextOptions},
+};
 use lumenscope_core::io::png::write_png;
-use std::path::Path;
+use std::{
+    path::Path,
+    sync::{LazyLock, Mutex, PoisonError},
+};
 
 /// Colour of words and ticks.
 pub const INK: [u8; 3] = [235, 235, 235];
+
+/// Columns that a character takes at scale 1, and the size of its font.
+const ADVANCE: usize = 8;
+const FONT_SIZE: f32 = 12.0;
+/// Rows from the top of a capital to the baseline at scale 1.
+const CAPITAL: usize = 9;
+
+/// The window's own fonts, which words on pages are drawn in too.
+static FONTS: LazyLock<Mutex<Fonts>> =
+    LazyLock::new(|| Mutex::new(Fonts::new(TextOptions::default(), FontDefinitions::default())));
 
 /// A picture to draw and write on.
 pub struct Page {
@@ -49,28 +65,35 @@ impl Page {
         }
     }
 
-    /// Text with its upper left corner at a pixel; what the font lacks shows as a question mark.
+    /// Text in columns of eight pixels times the scale, the upper left corner of its first capital at a pixel.
     pub fn text(&mut self, x: usize, y: usize, scale: usize, text: &str, ink: [u8; 3]) {
-        for (i, c) in text.chars().enumerate() {
-            let plain = match c {
-                '₀' => '0',
-                '−' | '–' => '-',
-                '’' => '\'',
-                other => other,
-            };
-            let glyph = font8x8::BASIC_FONTS
-                .get(plain)
-                .or_else(|| font8x8::LATIN_FONTS.get(plain))
-                .or_else(|| font8x8::GREEK_FONTS.get(plain))
-                .or_else(|| font8x8::BASIC_FONTS.get('?'))
-                .unwrap_or_default();
-            for (row, bits) in glyph.into_iter().enumerate() {
-                for column in (0..8).filter(|b| bits >> b & 1 == 1) {
-                    for s in 0..scale * scale {
-                        let (dx, dy) = (s % scale, s / scale);
-                        self.put(x + scale * (8 * i + column) + dx, y + scale * row + dy, ink);
+        let mut fonts = FONTS.lock().unwrap_or_else(PoisonError::into_inner);
+        let font = FontId::monospace(FONT_SIZE * scale as f32);
+        let galley = fonts.with_pixels_per_point(1.0).layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        let atlas = fonts.texture_atlas().image();
+        let glyphs = galley.rows.iter().flat_map(|row| &row.glyphs);
+        for (i, glyph) in glyphs.enumerate() {
+            let (from, to) = (glyph.uv_rect.min.map(usize::from), glyph.uv_rect.max.map(usize::from));
+            let left = (x + ADVANCE * scale * i) as f32 + glyph.uv_rect.offset.x;
+            let top = (y + CAPITAL * scale) as f32 + glyph.uv_rect.offset.y;
+            for row in from[1]..to[1] {
+                for column in from[0]..to[0] {
+                    let at = [left + (column - from[0]) as f32, top + (row - from[1]) as f32];
+                    if at[0] >= 0.0 && at[1] >= 0.0 {
+                        let covered = f32::from(atlas[(column, row)].a()) / 255.0;
+                        self.blend(at[0] as usize, at[1] as usize, ink, covered);
                     }
                 }
+            }
+        }
+    }
+
+    /// Mixes a colour into a pixel by a share; nothing outside.
+    fn blend(&mut self, x: usize, y: usize, ink: [u8; 3], share: f32) {
+        if x < self.width && y < self.height {
+            let pixel = &mut self.pixels[y * self.width + x];
+            for (value, ink) in pixel.iter_mut().zip(ink) {
+                *value = (f32::from(*value) + (f32::from(ink) - f32::from(*value)) * share).round() as u8;
             }
         }
     }
