@@ -66,7 +66,7 @@ fn probe_and_volume_leave_files_that_open() {
     let layers = exr::read_layers(&out.join("probe.exr")).unwrap();
     // The map has six rows a row of bins, twice as many columns; the bins are two squares of 29.
     assert_eq!((layers[0].1.width, layers.last().unwrap().1.width), (348, 58));
-    for file in ["radiance.png", "irradiance_lobe.png", "radiance_radial.svg"] {
+    for file in ["radiance.png", "radiance_unfolded.png", "irradiance_lobe.png", "radiance_radial.svg"] {
         assert!(fs::metadata(out.join(file)).unwrap().len() > 500, "{file}");
     }
     let report = fs::read_to_string(out.join("probe.json")).unwrap();
@@ -106,6 +106,7 @@ fn a_volume_is_built_and_asked_as_wished() {
     assert!(towards(&report["moments_lx"]["2"]) > 1.05 * towards(&report["irradiance_lx"]["all"]));
     let layers = exr::read_layers(&out.join("probe.exr")).unwrap();
     assert!(layers.iter().any(|l| l.0 == "moment_2_indirect_lx") && out.join("moment_2_lobe.png").exists());
+    assert!(out.join("weights.png").exists());
 
     let office = scene("cornell/cornell.ron");
     let size = ["--size", "24x16", "--frames", "1", "--moment", "10"];
@@ -503,6 +504,29 @@ fn views_are_written_with_their_legend_and_in_numbers() {
     let report = fs::read_to_string(out.join("radiosity.irradiance.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!((&report["colours_from"], &report["colours_to"]), (&0.0.into(), &400.0.into()));
+}
+
+#[test]
+fn a_view_holds_the_volume_against_a_file_or_against_itself_without_some_light() {
+    let (_keep, out) = folder();
+    let room = scene("cornell/cornell.ron");
+    let file = out.join("present.volume");
+    run(&["volume", &room, "--out", text(&file)]).unwrap();
+    let most = |view: &str, how: &[&str]| {
+        let fixed = ["view", &room, "--view", view, "--size", "32x32", "--out", text(&out)];
+        run(&[&fixed[..], how].concat()).unwrap();
+        let report = fs::read_to_string(out.join(format!("{view}.json"))).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        report["found"][1].as_f64().unwrap()
+    };
+    let against = ["--against", text(&file), "--colour-by", "error"];
+    assert_eq!(most("irradiance_volume.spheres", &against), 0.0, "the same scene, the same volume");
+    assert_eq!(most("irradiance_volume.difference", &["--against", text(&file)]), 0.0);
+    assert!(most("irradiance_volume.difference", &["--ignore", "Lamp"]) > 100.0);
+    assert!(
+        run(&["view", &room, "--ignore", "Nothing", "--out", text(&out)]).unwrap_err().contains("Nothing")
+    );
+    assert!(run(&["view", &room, "--moment", "7", "--out", text(&out)]).unwrap_err().contains("--moment 7"));
 }
 
 #[test]

@@ -53,6 +53,7 @@ mod surface_texture;
 mod table;
 mod textures;
 mod tour;
+mod tour_volumes;
 mod view;
 mod volume;
 mod volume_options;

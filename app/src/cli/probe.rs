@@ -1,7 +1,13 @@
 //! `probe`: the spheres at one point.
 
-use super::{Common, parse_point, radial_svg, render::auto_display, solve};
-use crate::widgets::resolutions::ROWS;
+use super::{
+    Common,
+    page::{INK, Page},
+    parse_point, radial_svg,
+    render::auto_display,
+    solve,
+};
+use crate::widgets::{moments, resolutions::ROWS};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::{Mat3, Vec3};
@@ -14,6 +20,7 @@ use lumenscope_core::{
     },
     math::{
         colour::{Channel, luminance},
+        false_colour::{FalseColour, Palette},
         image::LinearImage,
         part::Part,
         sphere_map::DirectionBins,
@@ -31,7 +38,7 @@ pub struct Options {
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true)]
     at: Vec3,
     /// Folder for `probe.exr` (map and bins), `probe.json`, and for radiance and irradiance each the
-    /// ball, the 3-D lobe and the radial plots.
+    /// ball, both hemispheres unfolded, the 3-D lobe and the radial plots.
     #[arg(long)]
     out: PathBuf,
     /// Bins over the sphere: 2n² for a whole n, such as 162, 578, 1682, 3362, 4802.
@@ -46,12 +53,15 @@ pub struct Options {
     /// What of the colours is shown in pictures and plots.
     #[arg(long, value_enum, default_value_t = Colours::Rgb)]
     channel: Colours,
+    /// Luminance in false colour in pictures, from 0 to the largest.
+    #[arg(long)]
+    false_colour: bool,
     /// Sample the point at every resolution of the thesis too, and say in `probe.json` how far the
     /// irradiance of each is from the finest.
     #[arg(long)]
     resolutions: bool,
     /// Orders of moments, 1 to 10000 or inf, such as 2,10,inf: layers of `probe.exr`, and of each a ball and a lobe,
-    /// `moment_10.png` and `moment_10_lobe.png`.
+    /// `moment_10.png` and `moment_10_lobe.png`, and the weights of all in `weights.png`.
     #[arg(long, value_delimiter = ',')]
     moment: Vec<Order>,
 }
@@ -108,6 +118,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         let moments = options.moment.iter().map(|&order| moment(options, &probe, order));
         let moments = moments.collect::<anyhow::Result<serde_json::Map<_, _>>>()?;
         report["moments_lx"] = moments.into();
+        weights(&options.moment).write(&options.out.join("weights.png"))?;
     }
     let text = serde_json::to_string_pretty(&report)?;
     println!("{text}");
@@ -141,17 +152,67 @@ fn sphere_and_lobe(options: &Options, name: &str, sphere: &SphereValues) -> anyh
         height: 1,
         pixels: values.iter().map(|v| channel.of(*v)).collect(),
     };
-    let display = auto_display(&shown);
+    let reach = values.iter().map(|v| channel.measure(*v)).fold(0.0f32, f32::max);
+    let mut display = auto_display(&shown);
+    if options.false_colour {
+        display.false_colour = Some(FalseColour::over([0.0, reach.max(f32::MIN_POSITIVE)], Palette::Viridis));
+    }
     let colour = |v: Vec3| {
         let [r, g, b, _] = display.pixel(channel.of(v));
         [r, g, b]
     };
+    unfolded(sphere, colour).write(&file("_unfolded.png"))?;
     let ball = sphere.ball(Mat3::IDENTITY, PIXELS, options.smooth, colour);
     write_png(&file(".png"), side, side, &on_black(ball))?;
     let mesh = lobe::lobe(sphere, options.smooth, |v| channel.measure(v));
-    let reach = values.iter().map(|v| channel.measure(*v)).fold(0.0f32, f32::max);
     let picture = lobe::picture(&mesh, looking_from(LOBE_SIDE), PIXELS, reach, colour);
     Ok(write_png(&file("_lobe.png"), side, side, &on_black(picture))?)
+}
+
+/// Both hemispheres as the squares their bins are a grid on.
+fn unfolded(sphere: &SphereValues, colour: impl Fn(Vec3) -> [u8; 3]) -> Page {
+    const SIDE: usize = 256;
+    const HEAD: usize = 28;
+    let flat = sphere.unfolded();
+    let (width, n) = (flat.width as usize, flat.height as usize);
+    let mut page = Page::new(2 * SIDE, HEAD + SIDE);
+    page.text(8, 8, 1, "upper, y ≥ 0", INK);
+    page.text(SIDE + 8, 8, 1, "lower, y < 0", INK);
+    for (y, x) in (0..SIDE).flat_map(|y| (0..2 * SIDE).map(move |x| (y, x))) {
+        page.put(x, HEAD + y, colour(flat.pixels[y * n / SIDE * width + x * width / (2 * SIDE)]));
+    }
+    page
+}
+
+/// The weight of radiance by its angle to the direction asked, each curve scaled to 1 in its middle.
+fn weights(orders: &[Order]) -> Page {
+    const SIZE: [usize; 2] = [360, 200];
+    const INKS: [[u8; 3]; 5] = [INK, [230, 120, 60], [90, 200, 120], [90, 150, 240], [220, 200, 80]];
+    let [left, top] = [48, 32];
+    let mut page = Page::new(left + SIZE[0] + 110, top + SIZE[1] + 32);
+    page.text(8, 8, 1, "weight / largest, by angle to the direction asked", INK);
+    let place = |degrees: f64, weight: f64| {
+        let across = (degrees + 90.0) / 180.0 * SIZE[0] as f64;
+        [left as f32 + across as f32, top as f32 + ((1.0 - weight) * SIZE[1] as f64) as f32]
+    };
+    for degrees in [-90.0, -45.0, 0.0, 45.0, 90.0] {
+        page.line(place(degrees, 0.0), place(degrees, 1.0), [70, 70, 74]);
+        let [x, y] = place(degrees, 0.0);
+        page.text(x as usize - 12, y as usize + 8, 1, &format!("{degrees}°"), INK);
+    }
+    for weight in [0.0, 0.5, 1.0] {
+        page.line(place(-90.0, weight), place(90.0, weight), [70, 70, 74]);
+        let [_, y] = place(-90.0, weight);
+        page.text(8, y as usize - 4, 1, &format!("{weight:.1}"), INK);
+    }
+    for (i, order) in orders.iter().enumerate() {
+        let ink = INKS[i % INKS.len()];
+        for ends in moments::curve(*order).windows(2) {
+            page.line(place(ends[0][0], ends[0][1]), place(ends[1][0], ends[1][1]), ink);
+        }
+        page.text(left + SIZE[0] + 12, top + 16 * i, 1, &format!("n = {order}"), ink);
+    }
+    page
 }
 
 fn on_black(pixels: Vec<[u8; 4]>) -> Vec<[u8; 4]> {

@@ -4,6 +4,7 @@ use crate::examples::{self, Example};
 
 use super::{
     Common, copies,
+    page::{INK, Page},
     probe::looking_from,
     reflectance,
     render::{self, Backend, auto_display},
@@ -19,6 +20,7 @@ use lumenscope_core::{
         IrradianceVolume,
         difference::Difference,
         ignored::Ignored,
+        inspect::VolumeView,
         probe::{Probe, Quantity},
     },
     math::{colour::srgb8, image::LinearImage, part::Part, sphere_values::SphereValues},
@@ -100,24 +102,41 @@ fn copper_and_gold(solution: &LightTransportSolution, folder: &Path, seed: u64) 
 
 /// What is put into the office after the solve: the wall, and two copies of a chair.
 fn put_in(path: &Path, solution: &LightTransportSolution, folder: &Path, seed: u64) -> anyhow::Result<()> {
-    let write = |name: &str, shown: &LinearImage| {
+    let write = |name: &str, shown: &LinearImage, words: &[String]| {
         let pixels = composite::display(shown, &auto_display(shown));
-        small_png::write(&folder.join(name), shown.width, shown.height, &pixels)
+        let mut page = Page { width: shown.width as usize, height: shown.height as usize, pixels };
+        let step = shown.width as f32 / words.len() as f32;
+        for (i, words) in words.iter().enumerate() {
+            page.plate((i as f32 + 0.5) * step, shown.height as f32 - 14.0, words, GROUND);
+        }
+        small_png::write(&folder.join(name), shown.width, shown.height, &page.pixels)
     };
-    write("wall.png", &wall::draw(&WallSettings::beside(solution), solution, SIZE, seed)?.0)?;
+    let settings = WallSettings::beside(solution);
+    let (shown, report) = wall::draw(&settings, solution, SIZE, seed)?;
+    let polygons = &report["polygons"];
+    write("wall.png", &shown, &[format!("a wall of {polygons} polygons, lit from the volume")])?;
     let Some(chair) = solution.scene.objects.iter().position(|o| o.name == "Chair") else { return Ok(()) };
-    write("copies.png", &copies::draw(&copies::Options::for_tour(path, SIZE), solution, chair, seed)?.0)
+    let (shown, report) = copies::draw(&copies::Options::for_tour(path, SIZE), solution, chair, seed)?;
+    let lit = ["left", "right"].map(|side| {
+        let side = &report[side];
+        let mean = side["mean_illuminance_lx"].as_f64().unwrap_or_default();
+        format!("{} bins: mean {mean:.1} lx", side["bins"])
+    });
+    write("copies.png", &shown, &lit)
 }
 
 /// Diameter of a ball in the picture of all resolutions, pixels.
 const BALL: usize = 200;
+/// Height of the words above.
+const WORDS: usize = 24;
+/// Ground of words over a picture.
+const GROUND: [u8; 3] = [28, 28, 30];
 
 /// The light at one point at every resolution of the thesis, coarsest first: radiance above, irradiance
 /// below, each as it would look on the display.
 fn resolutions(solution: &LightTransportSolution, folder: &Path) -> anyhow::Result<()> {
     let at = |n| Probe::at(&solution.world, &*solution.radiosity, probed(solution), n, 4, 1);
-    let (width, height) = (ROWS.len() * BALL, 2 * BALL);
-    let mut pixels = vec![[0, 0, 0, 255]; width * height];
+    let mut page = Page::new(ROWS.len() * BALL, 2 * (BALL + WORDS));
     let side = looking_from(solution.scene.camera.eye - solution.scene.camera.target);
     for (column, n) in ROWS.into_iter().enumerate() {
         let probe = at(n)?;
@@ -130,13 +149,14 @@ fn resolutions(solution: &LightTransportSolution, folder: &Path) -> anyhow::Resu
                 let [r, g, b, _] = display.pixel(v);
                 [r, g, b]
             });
-            for (y, line) in ball.chunks_exact(BALL).enumerate() {
-                let first = (row * BALL + y) * width + column * BALL;
-                pixels[first..first + BALL].copy_from_slice(line);
+            let (left, top) = (column * BALL, row * (BALL + WORDS));
+            page.text(left + 8, top + 8, 1, &format!("{}, {} bins", quantity.name(), values.len()), INK);
+            for (i, [r, g, b, _]) in ball.into_iter().enumerate().filter(|(_, p)| p[3] > 0) {
+                page.put(left + i % BALL, top + WORDS + i / BALL, [r, g, b]);
             }
         }
     }
-    small_png::write(&folder.join("resolutions.png"), width as u32, height as u32, &pixels)
+    small_png::write(&folder.join("resolutions.png"), page.width as u32, page.height as u32, &page.pixels)
 }
 
 /// Where the tour's spheres stand: before the camera, above what it looks at.
@@ -172,9 +192,14 @@ pub fn write_pictures(
     }
     let ground = view::ground(solution, composite::display(&sum, &display), [width, height]);
     let shown = view::Shown::new(solution, None)?;
+    let cut = VolumeView { slice: across(solution), ..VolumeView::default() };
     let mut legends = serde_json::Map::new();
     for view in VIEWS {
-        let Some(scene) = (view.build)(&shown.input(solution)) else { continue };
+        let mut input = shown.input(solution);
+        if view.id.contains("slice") {
+            input.volume = &cut;
+        }
+        let Some(scene) = (view.build)(&input) else { continue };
         if scene.is_beside_the_scene() {
             continue;
         }
@@ -195,6 +220,14 @@ pub fn write_pictures(
         }
     }
     solve::write(&folder.join("legends.json"), &serde_json::to_string_pretty(&legends)?)
+}
+
+/// A plane through the middle of the volume that the camera looks at more than along.
+fn across(solution: &LightTransportSolution) -> Option<(u8, f32)> {
+    let (low, high) = solution.volume.as_ref()?.grid().bounds();
+    let camera = &solution.scene.camera;
+    let axis = (camera.target - camera.eye).abs().max_position();
+    Some((axis as u8, 0.5 * (low + high)[axis]))
 }
 
 /// The surface in the middle of the picture.

@@ -33,10 +33,15 @@ use std::{
 
 /// Size of the window, points.
 const WINDOW: [f32; 2] = [1280.0, 800.0];
+/// Taller, for panels that show much at once.
+const TALL: [f32; 2] = [1280.0, 1180.0];
 /// Longest wait for light to settle.
 const PATIENCE: Duration = Duration::from_secs(300);
 /// Longest wait for the picture to lose its grain; it is photographed then as it is.
-const GRAIN: Duration = Duration::from_secs(20);
+pub(super) const GRAIN: Duration = Duration::from_secs(20);
+
+/// Slice through the office, m along z.
+const SLICE: (u8, f32) = (2, 0.4);
 
 /// Photographs the window in the states a user meets first, or what belongs to one example alone.
 ///
@@ -59,15 +64,18 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     for (_, part) in parts.into_iter().filter(|(example, _)| only.is_none_or(|only| only == *example)) {
         part(&mut tour)?;
     }
-    Ok(())
+    let scratch = &tour.scratch;
+    std::fs::remove_dir_all(scratch).with_context(|| format!("cannot remove {}", scratch.display()))
 }
 
 /// What is photographed of one example.
 type Scenes = fn(&mut Tour) -> anyhow::Result<()>;
 
-struct Tour {
+pub(super) struct Tour {
     harness: Harness<'static, LumenscopeApp>,
     folder: PathBuf,
+    /// For what is deleted at the end.
+    pub(super) scratch: PathBuf,
 }
 
 impl Tour {
@@ -84,16 +92,18 @@ impl Tour {
         // The harness panics where there is no adapter, not even a software one.
         let harness = std::panic::catch_unwind(build)
             .map_err(|_| anyhow!("there is no graphics adapter to draw the window with"))?;
-        Ok(Self { harness, folder: folder.to_path_buf() })
+        let scratch = std::env::temp_dir().join(format!("lumenscope-tour-{}", std::process::id()));
+        super::solve::output_folder(&scratch)?;
+        Ok(Self { harness, folder: folder.to_path_buf(), scratch })
     }
 
-    fn run(&mut self, command: Command) {
+    pub(super) fn run(&mut self, command: Command) {
         let ctx = self.harness.ctx.clone();
         self.harness.state_mut().run(&ctx, command);
         self.harness.run_steps(2);
     }
 
-    fn view(&mut self, change: impl FnOnce(&mut View)) {
+    pub(super) fn view(&mut self, change: impl FnOnce(&mut View)) {
         let mut view = self.harness.state().session().document.view.clone();
         change(&mut view);
         self.run(Command::View(Box::new(view)));
@@ -110,6 +120,11 @@ impl Tour {
             (Some(before), Some(now)) => !std::sync::Arc::ptr_eq(before, now),
             (_, now) => now.is_some(),
         })?;
+        self.settled()
+    }
+
+    /// Waits for light to settle.
+    pub(super) fn settled(&mut self) -> anyhow::Result<()> {
         self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
     }
 
@@ -128,7 +143,10 @@ impl Tour {
         self.photograph("office", GRAIN)?;
         self.click_at([0.36, 0.58]);
         self.wait("the spheres", |app| app.session().probe.is_some())?;
+        self.tall(true);
         self.photograph("probe", GRAIN)?;
+        self.click("Unfolded");
+        self.photograph("unfolded", GRAIN)?;
         self.view(|view| view.probe_bins_n = 29);
         self.click("Smooth");
         self.click("3-D lobe");
@@ -143,13 +161,19 @@ impl Tour {
         self.wait("the moments", |app| app.session().moments.is_some() && !app.is_busy())?;
         self.photograph("moments", GRAIN)?;
         self.click("Radial plots");
-        for id in ["irradiance_volume.lighting", "irradiance_volume.rays"] {
-            self.view(|view| view.views = vec![id.to_owned()]);
+        self.tall(false);
+        let camera = self.harness.state().session().document.view.camera;
+        for (id, away) in [("irradiance_volume.lighting", 1.1), ("irradiance_volume.rays", 3.0)] {
+            self.view(|view| {
+                view.views = vec![id.to_owned()];
+                view.camera.target = view.probe.map_or(camera.target, |(point, _)| point);
+                view.camera.eye =
+                    view.camera.target + (camera.eye - camera.target).normalize_or_zero() * away;
+            });
             self.wait("the view", |app| app.session().inspection.is_some() && !app.is_busy())?;
             self.photograph(&id.replace('.', "_"), GRAIN)?;
         }
-        self.view(|view| view.views.clear());
-        self.view(|view| view.probe = None);
+        self.view(|view| *view = View { camera, ..View::default() });
         self.click("Plan");
         self.click("radiosity: automatic");
         self.photograph("plan", GRAIN)?;
@@ -162,8 +186,8 @@ impl Tour {
         self.photograph("volume", GRAIN)?;
         self.view(|view| {
             view.volume.part = Part::Indirect;
-            view.volume.slice = Some((1, 0.4));
-            view.volume.size = 0.15;
+            view.volume.slice = Some(SLICE);
+            view.volume.size = 0.3;
         });
         self.wait("the slice", |app| !app.is_busy())?;
         self.photograph("volume_slice", GRAIN)?;
@@ -182,7 +206,7 @@ impl Tour {
         self.photograph("volume_validity", GRAIN)?;
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
 
-        let with_slice = Some((1, 0.4));
+        let with_slice = Some(SLICE);
         for (id, slice) in [
             ("radiosity.elements", None),
             ("radiosity.edges", None),
@@ -238,14 +262,19 @@ impl Tour {
         self.texture_at([0.56, 0.3], "texture")?;
         self.view(|view| view.compare = Compare::Reference);
         self.run(Command::StartReference);
-        self.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 64))?;
+        self.wait("the reference", |app| app.session().reference.as_ref().is_some_and(|r| r.samples >= 512))?;
+        self.run(Command::Cancel);
         self.photograph("reference", Duration::ZERO)?;
         self.view(|view| view.compare = Compare::Difference);
         self.photograph("difference", GRAIN)?;
         self.view(|view| view.compare = Compare::Flip);
         self.photograph("flip", GRAIN)?;
         self.lightmap()?;
-        Ok(())
+        self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        self.view(|view| "LD{2}E".clone_into(&mut view.paths));
+        self.photograph("bounce", GRAIN)?;
+        self.view(|view| view.paths.clear());
+        self.volumes()
     }
 
     /// Radiosity on quadtrees, split where light bends.
@@ -284,7 +313,7 @@ impl Tour {
     }
 
     /// Clicks the widget with a label.
-    fn click(&mut self, label: &str) {
+    pub(super) fn click(&mut self, label: &str) {
         self.harness.get_by_label(label).click();
         self.harness.run_steps(2);
     }
@@ -296,13 +325,15 @@ impl Tour {
         let target = Target::Object(object.with_context(|| format!("no object is called {name}"))?);
         self.view(|view| {
             view.volume.ignored.insert(target);
-            view.volume.slice = Some((1, 0.45));
+            view.volume.slice = Some(SLICE);
             view.volume.part = Part::All;
             view.views = vec!["irradiance_volume.difference_slice".to_owned()];
         });
         self.click("Views");
         self.wait("the difference", |app| !app.is_busy())?;
+        self.tall(true);
         self.photograph("volume_difference", GRAIN)?;
+        self.tall(false);
         self.click("Layers");
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
@@ -324,7 +355,9 @@ impl Tour {
             let reference = app.session().texture.as_ref().and_then(|t| t.reference.as_ref());
             reference.is_some_and(|r| r.paths >= GridReference::PATHS * GridReference::ENOUGH)
         })?;
+        self.tall(true);
         self.photograph(name, GRAIN)?;
+        self.tall(false);
         self.click("Spheres");
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
         Ok(())
@@ -338,18 +371,28 @@ impl Tour {
         let (world, progress) = (&solution.world, Progress::silent());
         let coverage = Coverage::new(world, &coordinates(world), [TEXELS; 2])?;
         let map = texels::bake(world, &solution.radiosity, &coverage, 2, &progress)?;
-        let path = self.folder.join("cornell lightmap.exr");
+        let path = self.scratch.join("cornell lightmap.exr");
         exr::write_layers(&path, &[("", &map)], "irradiance, lx")?;
         self.drag("Tall block", Vec3::new(0.07, 0.0, 0.0))?;
         self.run(Command::Lightmap(LightmapFile::new(path.clone())));
         self.click("Lightmap");
         self.view(|view| view.views = vec![LIGHTMAPS[1].to_owned()]);
         self.wait("the lightmap", |app| app.session().lightmap.is_some() && !app.is_busy())?;
-        let photographed = self.photograph("lightmap", GRAIN);
-        std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        self.tall(true);
+        self.photograph("lightmap", GRAIN)?;
+        self.view(|view| view.views = vec![LIGHTMAPS[3].to_owned()]);
+        self.wait("its faults", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.photograph("lightmap_faults", GRAIN)?;
+        self.tall(false);
         self.click("Spheres");
         self.view(|view| view.views.clear());
-        photographed
+        Ok(())
+    }
+
+    /// Makes the window tall, or as it was.
+    pub(super) fn tall(&mut self, tall: bool) {
+        self.harness.set_size(if tall { TALL } else { WINDOW }.into());
+        self.harness.run_steps(3);
     }
 
     /// Clicks the viewport at a share of its width and height.
@@ -364,7 +407,7 @@ impl Tour {
         self.harness.run_steps(2);
     }
 
-    fn drag(&mut self, name: &str, by: Vec3) -> anyhow::Result<()> {
+    pub(super) fn drag(&mut self, name: &str, by: Vec3) -> anyhow::Result<()> {
         let scene = self.harness.state().session().scene.clone().context("no scene is open")?;
         let object = scene.objects.iter().position(|o| o.name == name);
         let target = Target::Object(object.with_context(|| format!("no object is called {name}"))?);
@@ -374,10 +417,10 @@ impl Tour {
             self.run(Command::Place { target, placement, dragging: true });
         }
         self.run(Command::EndDrag);
-        self.wait("light", |app| app.badge() == crate::panels::status::Badge::Settled && !app.is_busy())
+        self.settled()
     }
 
-    fn wait(&mut self, what: &str, done: impl Fn(&LumenscopeApp) -> bool) -> anyhow::Result<()> {
+    pub(super) fn wait(&mut self, what: &str, done: impl Fn(&LumenscopeApp) -> bool) -> anyhow::Result<()> {
         let began = Instant::now();
         loop {
             self.harness.step();
@@ -395,7 +438,7 @@ impl Tour {
     }
 
     /// Waits for the picture to settle, at most `patience`, and writes the window.
-    fn photograph(&mut self, name: &str, patience: Duration) -> anyhow::Result<()> {
+    pub(super) fn photograph(&mut self, name: &str, patience: Duration) -> anyhow::Result<()> {
         let began = Instant::now();
         self.harness.run_steps(3);
         while began.elapsed() < patience && !self.harness.state().is_picture_settled() {

@@ -8,6 +8,7 @@ use super::{
     render::{self, Backend, auto_display},
     screenshots::{element_looked_at, point_looked_at, probed, without_main_emitter},
     solve,
+    volume::ignored,
 };
 use crate::lightmaps::{JudgedLightmap, LightmapFile};
 use anyhow::{Context, bail};
@@ -22,6 +23,7 @@ use lumenscope_core::{
     irradiance_volume::{
         IrradianceVolume,
         inspect::{ColourBy, VolumeView},
+        moments::Order,
         placement::{
             MeasureSettings, Measurement,
             requirement::{PRESETS, Preset, Requirement},
@@ -91,6 +93,15 @@ pub struct Options {
     /// Radius of a sphere as a share of its cell.
     #[arg(long, default_value_t = 0.1)]
     sphere: f32,
+    /// Order of the moment on spheres of the volume, 1 to 10000 or inf; one that the plan's volume holds.
+    #[arg(long, default_value = "1")]
+    moment: Order,
+    /// Volume that views of differences and errors hold the present one against, as `lumenscope volume` writes it.
+    #[arg(long, conflicts_with = "ignore")]
+    against: Option<PathBuf>,
+    /// Objects, lamps and materials without whose light it is that volume; without both, the main emitter.
+    #[arg(long, value_delimiter = ',')]
+    ignore: Vec<String>,
     /// Lightmap that is held against the light: `.exr` or `.hdr` with irradiance in lx, or `.png`.
     #[arg(long)]
     map: Option<PathBuf>,
@@ -116,7 +127,7 @@ enum Steps {
     Log,
 }
 
-/// [`ColourBy`] by its name; errors need another volume and are the window's.
+/// [`ColourBy`] by its name.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum By {
     Light,
@@ -124,6 +135,8 @@ enum By {
     Validity,
     Age,
     Distance,
+    /// Relative difference to the volume of `--against`.
+    Error,
 }
 
 /// Shadow rays of the picture's frames.
@@ -152,6 +165,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if !(options.sphere > 0.0 && options.sphere <= 0.5) {
         bail!("--sphere {}: a share of a cell above 0 and up to 0.5", options.sphere);
     }
+    let against = options.against.as_deref().map(IrradianceVolume::load).transpose()?;
     let file =
         options.map.as_ref().map(|path| LightmapFile { path: path.clone(), white: options.white, paths: 0 });
     if let Some(file) = &file {
@@ -165,13 +179,30 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     if camera.eye.distance(camera.target) < 1e-6 {
         bail!("--eye and --target are the same point");
     }
+    let ignored = match options.ignore.as_slice() {
+        [] => None,
+        names => Some(ignored(&loaded.scene, names)?),
+    };
     let solution = solve::solve(&loaded, true)?;
+    let held = solution.volume.as_ref().is_some_and(|v| v.orders().contains(&options.moment));
+    if !held && options.moment != Order::IRRADIANCE {
+        bail!(
+            "--moment {}: the volume does not hold it; name it in the plan's volume_moments",
+            options.moment
+        );
+    }
+    let without = |volume: &IrradianceVolume| {
+        let ignored = ignored.as_ref()?;
+        volume.ignoring(&solution.world, &*solution.radiosity, ignored.clone())
+    };
+    let against = against.or_else(|| without(solution.volume.as_ref()?));
     let judged = file.map(|f| solve::watched(|p| JudgedLightmap::new(&f, &solution, p))).transpose()?;
     let (layers, _) = render::picture(&solution, options.size, FRAMES, Backend::Auto, common.seed)?;
     let sum = layers.total();
     let pixels = composite::display(&sum, &auto_display(&sum));
     let ground = ground(&solution, pixels, options.size);
-    let shown = Shown::new(&solution, options.at)?;
+    let mut shown = Shown::new(&solution, options.at)?;
+    shown.against = against.or(shown.against);
     let volume = options.volume();
     let input =
         ViewInput { lightmap: judged.as_ref().map(|l| &l.report), volume: &volume, ..shown.input(&solution) };
@@ -216,8 +247,10 @@ impl Options {
                 By::Validity => ColourBy::Validity,
                 By::Age => ColourBy::Age,
                 By::Distance => ColourBy::Distance,
+                By::Error => ColourBy::Error,
             },
             quantity: if self.radiance { Quantity::Radiance } else { Quantity::Irradiance },
+            moment: self.moment,
             part: self.part.part(),
             invalid: self.colour_by == By::Validity,
             size: self.sphere,

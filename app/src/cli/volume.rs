@@ -133,7 +133,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// When nothing has a name.
-fn ignored(scene: &Scene, names: &[String]) -> anyhow::Result<Ignored> {
+pub(super) fn ignored(scene: &Scene, names: &[String]) -> anyhow::Result<Ignored> {
     match Ignored::named(scene, names) {
         (ignored, None) => Ok(ignored),
         (_, Some(name)) => bail!("--ignore {name}: the scene has no object, lamp or material of that name"),

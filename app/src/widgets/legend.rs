@@ -1,14 +1,18 @@
 //! Legend of a false colour: a bar, round numbers, the quantity and its unit.
 
 use super::number;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, TextStyle, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, TextStyle, pos2,
+    text::{LayoutJob, TextFormat, TextWrapping},
+    vec2,
+};
 use lumenscope_core::{
     inspection::Legend,
     math::{colour::srgb8, false_colour::FalseColour},
 };
 
 /// Size of a legend, points.
-const SIZE: egui::Vec2 = egui::vec2(118.0, 216.0);
+const SIZE: egui::Vec2 = egui::vec2(118.0, 230.0);
 const BAR: f32 = 14.0;
 
 /// Shows a vertical bar with round ticks; a click copies it as text.
@@ -27,7 +31,8 @@ pub fn show_flat(ui: &mut egui::Ui, legend: &Legend, colours: &FalseColour) -> e
     let font = TextStyle::Small.resolve(ui.style());
     let bar = Rect::from_min_max(rect.min + vec2(8.0, 15.0), pos2(rect.max.x - 8.0, rect.min.y + 15.0 + BAR));
     let painter = ui.painter();
-    title(painter, rect.min + vec2(8.0, 0.0), legend, &font, visuals.text_color(), true);
+    let unit = if legend.unit.is_empty() { String::new() } else { format!(" in {}", legend.unit) };
+    title(painter, rect.min + vec2(8.0, 0.0), &legend.quantity, &unit, &font, f32::INFINITY, visuals);
     gradient(painter, bar, colours, false);
     painter.rect_stroke(bar, 1.0, outline(visuals), egui::StrokeKind::Outside);
     let mut free = f32::NEG_INFINITY;
@@ -55,12 +60,16 @@ pub fn paint(
     let font = FontId::proportional(11.0);
     let text = visuals.text_color();
     painter.rect_filled(rect, 5.0, visuals.panel_fill.gamma_multiply(0.88));
-    title(painter, rect.min + vec2(8.0, 6.0), legend, &font, text, false);
+    let unit = if legend.unit.is_empty() { String::new() } else { format!("\nin {}", legend.unit) };
+    let top =
+        title(painter, rect.min + vec2(8.0, 6.0), &legend.quantity, &unit, &font, SIZE.x - 14.0, visuals);
     if !legend.names.is_empty() {
-        return kinds(painter, rect.min + vec2(10.0, 26.0), legend, colours, text);
+        return kinds(painter, pos2(rect.min.x + 10.0, top + 6.0), legend, colours, text);
     }
-    let bar =
-        Rect::from_min_max(rect.min + vec2(10.0, 40.0), pos2(rect.min.x + 10.0 + BAR, rect.max.y - 12.0));
+    let bar = Rect::from_min_max(
+        pos2(rect.min.x + 10.0, top + 8.0),
+        pos2(rect.min.x + 10.0 + BAR, rect.max.y - 12.0),
+    );
     gradient(painter, bar, colours, true);
     painter.rect_stroke(bar, 1.0, outline(visuals), egui::StrokeKind::Outside);
     for value in colours.ticks(6) {
@@ -85,24 +94,29 @@ fn kinds(painter: &egui::Painter, at: Pos2, legend: &Legend, colours: &FalseColo
 pub fn size(legend: &Legend) -> egui::Vec2 {
     match legend.names.len() {
         0 => SIZE,
-        kinds => vec2(SIZE.x, 32.0 + 18.0 * kinds as f32),
+        // Room for two lines of title.
+        kinds => vec2(SIZE.x, 46.0 + 18.0 * kinds as f32),
     }
 }
 
-/// Quantity and unit, on one line or on two.
-fn title(painter: &egui::Painter, at: Pos2, legend: &Legend, font: &FontId, colour: Color32, one_line: bool) {
-    let first = painter.text(at, Align2::LEFT_TOP, &legend.quantity, font.clone(), colour);
-    if legend.unit.is_empty() {
-        return;
-    }
-    let place = if one_line { pos2(first.max.x + 4.0, at.y) } else { pos2(at.x, first.max.y + 1.0) };
-    painter.text(
-        place,
-        Align2::LEFT_TOP,
-        format!("in {}", legend.unit),
-        font.clone(),
-        colour.gamma_multiply(0.75),
-    );
+/// Quantity and, fainter, its unit, in lines no longer than `width`; where they end.
+fn title(
+    painter: &egui::Painter,
+    at: Pos2,
+    quantity: &str,
+    unit: &str,
+    font: &FontId,
+    width: f32,
+    visuals: &egui::Visuals,
+) -> f32 {
+    let ink = visuals.text_color();
+    let mut job = LayoutJob { wrap: TextWrapping::wrap_at_width(width), ..LayoutJob::default() };
+    job.append(quantity, 0.0, TextFormat::simple(font.clone(), ink));
+    job.append(unit, 0.0, TextFormat::simple(font.clone(), ink.gamma_multiply(0.75)));
+    let galley = painter.layout_job(job);
+    let end = at.y + galley.size().y;
+    painter.galley(at, galley, ink);
+    end
 }
 
 fn outline(visuals: &egui::Visuals) -> Stroke {

@@ -290,7 +290,7 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, order: &mut Option
     match memory.tab {
         Tab::Plots => {
             let gap = ui.spacing().item_spacing.x;
-            let size = ((ui.available_width() - 2.0 * gap) / 3.0).clamp(120.0, 240.0);
+            let size = ((ui.available_width() - 2.0 * gap) / 3.0).clamp(80.0, 240.0);
             ui.horizontal_wrapped(|ui| {
                 for plane in Plane::ALL {
                     let id = format!("radial {plane:?}");

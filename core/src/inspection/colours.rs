@@ -60,8 +60,8 @@ const LOOKED_AT: usize = 1 << 16;
 impl InspectionScene {
     /// Palette and range of its values, in its legend's unit.
     ///
-    /// Signed quantities diverge from zero. By themselves, values above 20 times their median are shown by their
-    /// logarithm, from a twentieth of the median on.
+    /// Signed quantities diverge from zero. By themselves, values above ten times their median are shown by their
+    /// logarithm, from a tenth of the median on.
     pub fn colours(&self, settings: &ColourSettings) -> FalseColour {
         let Some(legend) = &self.legend else { return FalseColour::over([0.0, 1.0], settings.palette) };
         if !legend.names.is_empty() {
@@ -97,8 +97,8 @@ impl InspectionScene {
                 let values = self.sorted_values(|v| if v > 0.0 { v } else { f32::NAN });
                 let median = percentile(&values, 50.0);
                 let asked = settings.scale == ColourScale::Logarithmic;
-                if median > 0.0 && (asked || high > 20.0 * median) {
-                    let bottom = if found { (0.05 * median).max(low) } else { low };
+                if median > 0.0 && (asked || high > 10.0 * median) {
+                    let bottom = if found { (0.1 * median).max(low) } else { low };
                     let low = bottom.max(1e-4 * high);
                     FalseColour { low, high, logarithmic: true, ..linear }
                 } else {
