@@ -1,6 +1,7 @@
 //! Volumes compared in the window.
 
 use crate::window::Window;
+use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use lumenscope::{
     app::LumenscopeApp, command::Command, copies::CopyVolume, export::Export, pipeline::VolumeSource,
@@ -55,6 +56,10 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
     let mut view = window.view();
     view.probe = Some((Vec3::new(1.0, 1.5, 0.5), Vec3::Y));
     window.run(Command::View(Box::new(view)));
+    window.wait("the spheres", |app| !app.is_busy() && app.session().probe.is_some());
+    window.click("Volumes");
+    window.harness.get_by_label("A from B");
+    window.keep("two_volumes");
     let file = window.folder.path().join("p.exr");
     window.run(Command::Export(Export::Panorama, file.clone()));
     window.wait("the panorama", |app| !app.is_busy() && file.exists());

@@ -5,15 +5,16 @@ use super::{
     solve,
 };
 use lumenscope_core::{
-    inspection::{Curve, InspectionScene, colours::ColourSettings},
+    inspection::{ColouredMesh, Curve, InspectionScene},
     irradiance_volume::{
         IrradianceVolume,
         difference::Difference,
         inspect::VolumeView,
-        slice::{difference_histogram, difference_slice},
+        slice::{difference_histogram, difference_slice, slice_over, volume_slice},
     },
     math::{
         colour::{luminance, srgb8},
+        false_colour::{FalseColour, Palette},
         part::Part,
     },
 };
@@ -42,7 +43,7 @@ pub fn run(a: &Path, b: &Path, out: Option<&Path>) -> anyhow::Result<()> {
     println!("{}", serde_json::to_string_pretty(&report)?);
     let Some(out) = out else { return Ok(()) };
     solve::output_folder(out)?;
-    maps(&all)?.write(&out.join("map.png"))?;
+    maps(&all).write(&out.join("map.png"))?;
     let histogram = difference_histogram(&all);
     bars(&histogram).write(&out.join("histogram.png"))?;
     let mut table = String::from("relative_percent,share_percent\n");
@@ -51,61 +52,79 @@ pub fn run(a: &Path, b: &Path, out: Option<&Path>) -> anyhow::Result<()> {
         let _ = writeln!(table, "{},{}", p.x, p.y);
     }
     solve::write(&out.join("histogram.csv"), &table)?;
-    eprintln!("{}: A - B on three planes, and how far A is from B", out.display());
+    eprintln!("{}: A, B and A - B on three planes, and how far A is from B", out.display());
     Ok(())
 }
 
-/// A − B on the planes through the middle of A across x, y and z, side by side, one scale for all.
-fn maps(difference: &Difference) -> anyhow::Result<Page> {
-    let (low, high) = difference.a.grid().bounds();
-    let slices: Vec<(usize, InspectionScene)> = (0..3)
-        .map(|axis| {
-            let middle = 0.5 * (low[axis] + high[axis]);
-            let view = VolumeView { slice: Some((axis as u8, middle)), ..VolumeView::default() };
-            (axis, difference_slice(difference, &view))
+/// A, B and A − B on the planes through the middle of A across x, y and z: a row each, A and B on one scale.
+fn maps(difference: &Difference) -> Page {
+    let Difference { a, b, part } = *difference;
+    let (low, high) = a.grid().bounds();
+    let middle = |axis: usize| 0.5 * (low[axis] + high[axis]);
+    let row = |made: &dyn Fn(&VolumeView) -> InspectionScene| {
+        [0, 1, 2].map(|axis| {
+            made(&VolumeView { slice: Some((axis as u8, middle(axis))), part, ..VolumeView::default() })
         })
-        .collect();
+    };
+    let most = |row: &[InspectionScene; 3]| {
+        let ends = row.iter().filter_map(|s| s.legend.as_ref()).map(|l| l.range[1]);
+        ends.fold(f32::MIN_POSITIVE, f32::max)
+    };
+    // B on A's planes: its own grid may reach farther.
+    let rows = [
+        row(&|v| volume_slice(a, v)),
+        row(&|v| slice_over(a, b, v)),
+        row(&|v| difference_slice(difference, v)),
+    ];
+    let bright = most(&rows[0]).max(most(&rows[1]));
+    let apart = most(&rows[2]);
+    let light = FalseColour::over([0.0, bright], Palette::Viridis);
+    let signed = FalseColour::over([-apart, apart], Palette::Viridis);
     let scale = LONGER / (high - low).max_element();
     let size =
         |axis: usize| [(axis + 1) % 3, (axis + 2) % 3].map(|i| ((high - low)[i] * scale).max(8.0) as usize);
     let width = MARGIN + (0..3).map(|axis| size(axis)[0].max(150) + MARGIN).sum::<usize>();
     let height = (0..3).map(|axis| size(axis)[1]).max().unwrap_or(0);
-    let mut page = Page::new(width, HEAD + height + 2 * MARGIN);
-    let mut most = 0.0f32;
-    for (_, scene) in &slices {
-        most = most.max(scene.legend.as_ref().map_or(0.0, |l| l.range[1]));
-    }
-    let mut colours = slices[0].1.colours(&ColourSettings::default());
-    (colours.low, colours.high) = (-most.max(f32::MIN_POSITIVE), most.max(f32::MIN_POSITIVE));
-    page.text(
-        MARGIN,
-        8,
-        1,
-        &format!("A - B, mean over directions: blue {:.3} to red {most:.3} lx", -most),
-        INK,
-    );
-    let mut left = MARGIN;
-    for (axis, scene) in &slices {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let mesh = &scene.meshes[0];
-        let columns = mesh.positions.iter().take_while(|p| p[v] == mesh.positions[0][v]).count();
-        let rows = mesh.positions.len() / columns;
-        let [w, h] = size(*axis);
-        for y in 0..h {
-            for x in 0..w {
-                let column = (x * (columns - 1) + w / 2) / w.max(1);
-                let row = ((h - 1 - y) * (rows - 1) + h / 2) / h.max(1);
-                let value = luminance(mesh.values[row.min(rows - 1) * columns + column.min(columns - 1)]);
-                page.put(left + x, HEAD + y, srgb8(colours.colour(value)));
-            }
+    let mut page = Page::new(width, 3 * (HEAD + height + MARGIN) + MARGIN);
+    let titles = [
+        format!("A, mean over directions: 0 to {bright:.3} lx"),
+        String::from("B, the same"),
+        format!("A − B: blue {:.3} to red {apart:.3} lx", -apart),
+    ];
+    for (i, (row, title)) in rows.iter().zip(&titles).enumerate() {
+        let top = i * (HEAD + height + MARGIN);
+        page.text(MARGIN, top + 8, 1, title, INK);
+        let mut left = MARGIN;
+        for (axis, scene) in row.iter().enumerate() {
+            let names = ["x", "y", "z"];
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let words = format!("{} = {:.2} m, {} →, {} ↑", names[axis], middle(axis), names[u], names[v]);
+            page.text(left, top + 26, 1, &words, INK);
+            let colours = if i < 2 { &light } else { &signed };
+            plane(&mut page, [left, top + HEAD], size(axis), &scene.meshes[0], v, colours);
+            left += size(axis)[0].max(150) + MARGIN;
         }
-        let names = ["x", "y", "z"];
-        let title = format!("{} = {:.2} m", names[*axis], 0.5 * (low[*axis] + high[*axis]));
-        page.text(left, 24, 1, &title, INK);
-        page.text(left, HEAD + height + 4, 1, &format!("{} right, {} up", names[u], names[v]), INK);
-        left += w.max(150) + MARGIN;
     }
-    Ok(page)
+    page
+}
+
+/// A slice's mesh as a picture, rows along the axis `v` upward.
+fn plane(
+    page: &mut Page,
+    [left, top]: [usize; 2],
+    [w, h]: [usize; 2],
+    mesh: &ColouredMesh,
+    v: usize,
+    colours: &FalseColour,
+) {
+    let columns = mesh.positions.iter().take_while(|p| p[v] == mesh.positions[0][v]).count();
+    let rows = mesh.positions.len() / columns;
+    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
+        let column = (x * (columns - 1) + w / 2) / w.max(1);
+        let row = ((h - 1 - y) * (rows - 1) + h / 2) / h.max(1);
+        let value = luminance(mesh.values[row.min(rows - 1) * columns + column.min(columns - 1)]);
+        page.put(left + x, top + y, srgb8(colours.colour(value)));
+    }
 }
 
 /// A histogram as bars.
@@ -122,16 +141,8 @@ fn bars(curve: &Curve) -> Page {
             }
         }
     }
-    // The font has no minus as wide as a dash.
-    let plain = |text: &str| text.replace('−', "-");
-    page.text(MARGIN, 8, 1, &plain(&format!("{}: most {most:.1} % of {}", curve.name, curve.axes[1])), INK);
+    page.text(MARGIN, 8, 1, &format!("{}: most {most:.1} % of {}", curve.name, curve.axes[1]), INK);
     let last = curve.points.last().map_or(0.0, |p| p.x);
-    page.text(
-        MARGIN,
-        HEAD + height + 4,
-        1,
-        &plain(&format!("{}, 0 to {last:.0} and beyond", curve.axes[0])),
-        INK,
-    );
+    page.text(MARGIN, HEAD + height + 4, 1, &format!("{}, 0 to {last:.0} and beyond", curve.axes[0]), INK);
     page
 }

@@ -50,6 +50,9 @@ impl Tour {
             view.volume = VolumeView { against: view.volume.against, ..shown };
         });
         self.wait("its error", |app| app.session().inspection.is_some() && !app.is_busy())?;
+        self.view(|view| view.probe = Some((Vec3::new(0.1, 0.3, -0.2), Vec3::Y)));
+        self.wait("the spheres", |app| app.session().probe.is_some() && !app.is_busy())?;
+        self.click("Volumes");
         self.tall(true);
         self.photograph("volume_error", GRAIN)?;
         self.tall(false);

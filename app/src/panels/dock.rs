@@ -250,7 +250,14 @@ impl Frame<'_, '_> {
             Pane::Sphere => {
                 let probe = session.probe.as_deref();
                 let moments = session.moments.as_deref();
-                self.out.extend(sphere_inspector::show(ui, probe, &session.resolutions, moments, view));
+                self.out.extend(sphere_inspector::show(
+                    ui,
+                    probe,
+                    &session.resolutions,
+                    moments,
+                    session.two_volumes(),
+                    view,
+                ));
             }
             Pane::Readout => readout::show(ui, self.pick.as_ref(), session, &mut self.out),
             Pane::Kernel => kernel::show(ui, session, self.kernel.as_deref(), &mut self.out),

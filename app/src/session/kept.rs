@@ -1,7 +1,7 @@
 //! Volumes kept to be compared with.
 
 use super::{Against, Effect, Session};
-use crate::copies::CopyVolume;
+use crate::{copies::CopyVolume, widgets::volume_pair::Named};
 use lumenscope_core::irradiance_volume::IrradianceVolume;
 use std::sync::Arc;
 
@@ -22,6 +22,24 @@ impl Session {
         let name = format!("{}: {source}, {samples} × {bins}", self.kept_so_far);
         self.kept.push(Kept { name, volume: Arc::new(volume.detached()) });
         self.document.view.volume.against = Against::Kept(self.kept.len() - 1);
+    }
+
+    /// The volume that is shown and the one it is compared with; `None` where either is not at hand.
+    pub fn two_volumes(&self) -> Option<[Named<'_>; 2]> {
+        let of = |volume| match volume {
+            CopyVolume::Kept(n) => self.kept.get(n).map(|k| Named { name: &k.name, volume: &k.volume }),
+            CopyVolume::Present => {
+                let volume = self.solution.as_ref()?.volume.as_deref()?;
+                Some(Named { name: "present volume", volume })
+            }
+        };
+        let view = &self.document.view.volume;
+        let against = match view.against {
+            Against::Kept(n) => CopyVolume::Kept(n),
+            Against::Present => CopyVolume::Present,
+            Against::Ignoring => return None,
+        };
+        Some([of(view.of)?, of(against)?])
     }
 
     /// Forgets the volume with a number; what named it names the present one, and later ones count one less.

@@ -15,5 +15,6 @@ pub mod sphere_numbers;
 pub mod sphere_pair;
 pub mod unfolded;
 pub mod value_table;
+pub mod volume_pair;
 
 pub use lumenscope_core::irradiance_volume::probe::Probe;

@@ -9,6 +9,7 @@ use super::{
     sphere_numbers::SphereNumbers,
     sphere_pair::{self, Ball, Turn},
     unfolded, value_table,
+    volume_pair::{self, Named},
 };
 use crate::{
     command::{Command, Dialog},
@@ -39,6 +40,7 @@ enum Tab {
     Unfolded,
     Resolutions,
     Moments,
+    Volumes,
     Numbers,
 }
 
@@ -56,6 +58,7 @@ struct Memory {
     lobe: ImageSlot,
     resolutions: Vec<ImageSlot>,
     moments: Vec<ImageSlot>,
+    volumes: volume_pair::Memory,
 }
 
 /// Shows the open spheres; `None` invites to click a point.
@@ -64,6 +67,7 @@ pub fn show(
     probe: Option<&Probe>,
     resolutions: &[Probe],
     moments: Option<&moments::Spheres>,
+    volumes: Option<[Named<'_>; 2]>,
     view: &View,
 ) -> Vec<Command> {
     let Some(probe) = probe else {
@@ -80,7 +84,7 @@ pub fn show(
         return out;
     };
     let shades = Shades::new(&light, memory.false_colour, memory.channel);
-    let shown = Opened { probe, light: &light, shades: &shades, view, resolutions, moments };
+    let shown = Opened { probe, light: &light, shades: &shades, view, resolutions, moments, volumes };
     ui.separator();
     let room = ui.available_width();
     if room > 620.0 {
@@ -112,6 +116,7 @@ struct Opened<'a> {
     view: &'a View,
     resolutions: &'a [Probe],
     moments: Option<&'a moments::Spheres>,
+    volumes: Option<[Named<'a>; 2]>,
 }
 
 fn commands(view: &View, wanted: View) -> Vec<Command> {
@@ -272,17 +277,18 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, order: &mut Option
             (Tab::Unfolded, "Unfolded", "Each hemisphere as the square its bins are a grid on"),
             (Tab::Resolutions, "Resolutions", "The same point at every resolution of the thesis"),
             (Tab::Moments, "Moments", "What glossier and glossier surfaces would see: orders 1 to ∞"),
+            (Tab::Volumes, "Volumes", "The two volumes that are compared, side by side"),
             (Tab::Numbers, "Numbers", "Illuminance from six sides, cylindrical, scalar, vector"),
         ] {
             ui.selectable_value(&mut memory.tab, tab, name).on_hover_text(meaning);
         }
-        if !matches!(memory.tab, Tab::Numbers | Tab::Resolutions | Tab::Moments) {
+        if !matches!(memory.tab, Tab::Numbers | Tab::Resolutions | Tab::Moments | Tab::Volumes) {
             ui.separator();
             ui.selectable_value(&mut memory.irradiance, false, "L").on_hover_text(RADIANCE);
             ui.selectable_value(&mut memory.irradiance, true, "E").on_hover_text(IRRADIANCE);
         }
     });
-    let Opened { probe, light, shades, view, resolutions: probes, moments: spheres } = *shown;
+    let Opened { probe, light, shades, view, resolutions: probes, moments: spheres, volumes } = *shown;
     let (values, unit) =
         if memory.irradiance { (light.irradiance(), "lx") } else { (light.radiance(), "cd/m²") };
     let colour = |v: Vec3| if memory.irradiance { shades.irradiance(v) } else { shades.radiance(v) };
@@ -331,6 +337,28 @@ fn tabs(ui: &mut Ui, memory: &mut Memory, shown: &Opened<'_>, order: &mut Option
             };
             moments::show(ui, &mut memory.moments, probe.bins, spheres, order, &look);
         }
+        Tab::Volumes => match volumes {
+            None => {
+                ui.weak("Keep a volume, or open one, under Views, Compare volumes: it is B.");
+            }
+            Some(pair) => {
+                let asked = volume_pair::Asked {
+                    position: probe.position,
+                    part: view.probe_part,
+                    light_key: light.key,
+                    traced: light.irradiance(),
+                    look: sphere_pair::Look {
+                        camera: &view.camera,
+                        normal: view.probe.map(|p| p.1),
+                        size: (0.5 * (ui.available_width() - 12.0)).clamp(80.0, 190.0),
+                        smooth: memory.smooth,
+                        picture_key: key((memory.false_colour, memory.channel)),
+                    },
+                    colour: &|v| shades.irradiance(v),
+                };
+                volume_pair::show(ui, &mut memory.volumes, &mut memory.turn, pair, &asked);
+            }
+        },
         Tab::Numbers => {
             value_table::show(ui, "sphere numbers", &SphereNumbers::new(&light.irradiance()).rows());
         }

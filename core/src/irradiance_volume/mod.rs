@@ -205,7 +205,7 @@ impl IrradianceVolume {
         Self { transport: None, arrivals: Vec::new(), ..self.clone() }
     }
 
-    /// Bytes of the irradiance of one part: what Greger's 18 MB count.
+    /// Bytes of the irradiance of one part, direct or indirect.
     pub fn table_bytes(&self) -> usize {
         size_of_val(&self.tables.direct[..])
     }

@@ -46,8 +46,13 @@ impl<'a> MeanIrradiance<'a> {
 /// A slice through a volume: mean irradiance over all directions. Where the view names no plane, it lies
 /// half-way up.
 pub fn volume_slice(volume: &IrradianceVolume, view: &VolumeView) -> InspectionScene {
+    slice_over(volume, volume, view)
+}
+
+/// As [`volume_slice`], of another volume over the same plane.
+pub fn slice_over(plane: &IrradianceVolume, volume: &IrradianceVolume, view: &VolumeView) -> InspectionScene {
     let field = MeanIrradiance::new(volume, view.part);
-    let mesh = mesh(volume, view, |p| field.at(p));
+    let mesh = mesh(plane, view, |p| field.at(p));
     let low = mesh.values.iter().fold(f32::INFINITY, |low, v| low.min(luminance(*v)));
     let high = bulk(&mesh.values);
     InspectionScene {
