@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use lumenscope_core::{
     io::exr,
     math::colour::luminance,
-    radiosity::atlas::lookup,
+    radiosity::{atlas::lookup, faults::Fault},
     scene::{import, world::World},
 };
 use lumenscope_tests::command_line::{folder, run, scene, text};
@@ -277,6 +277,24 @@ fn light_is_baked_onto_the_coordinates_of_a_file_or_onto_packed_ones() {
     }
     let size = run(&["bake", &bare, "--out", text(&map), "--size", "9000x10"]).unwrap_err();
     assert!(size.contains("9000"), "{size}");
+}
+
+#[test]
+fn a_lightmap_packed_here_has_no_overlap_and_no_leak() {
+    let (_keep, out) = folder();
+    let (map, packed) = (out.join("light.exr"), out.join("packed.obj"));
+    let ball = scene("cornell/ball.ron");
+    run(&["bake", &ball, "--out", text(&map), "--atlas", text(&packed), "--padding", "2"]).unwrap();
+    let judge = ["lightmap", &ball, "--map", text(&map), "--out", text(&out), "--coordinates"];
+    run(&[&judge[..], &[text(&packed)]].concat()).unwrap();
+    let faults = image::open(out.join("faults.png")).unwrap().to_rgb8();
+    for fault in [Fault::Overlap, Fault::Leak, Fault::NotFinite] {
+        let texels = faults.pixels().filter(|p| p.0 == fault.colour()).count();
+        assert_eq!(texels, 0, "{}", fault.name());
+    }
+    let other = scene("cornell/cornell.ron");
+    let error = run(&["lightmap", &other, "--map", text(&map), "--coordinates", text(&packed)]).unwrap_err();
+    assert!(error.contains("2244 triangles"), "{error}");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub struct Options {
     /// Texels around each chart that repeat its border.
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=64))]
     padding: u32,
-    /// `.obj` to write: the scene with coordinates packed here, one texel an element of the radiosity. Triangles that are lit at their corners have none.
+    /// `.obj` to write: the scene with coordinates packed here, a texel a node of flat regions and a small chart a triangle that is curved or small; `lightmap --coordinates` reads it.
     #[arg(long, conflicts_with = "size")]
     atlas: Option<PathBuf>,
 }
@@ -59,8 +59,9 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         }
         Some(path) => {
             let solution = solve::solve(&loaded, false)?;
-            let (map, uvs) = atlas::bake(&solution.radiosity, Part::All, options.padding);
-            solve::write(path, &obj(&solution.world.geometry, &uvs))?;
+            let geometry = &solution.world.geometry;
+            let (map, uvs) = atlas::bake(geometry, &solution.radiosity, Part::All, options.padding);
+            solve::write(path, &obj(geometry, &uvs))?;
             let mapped = uvs.iter().flatten().count();
             println!("{}: {mapped} of {} triangles have coordinates", path.display(), uvs.len());
             map
@@ -71,27 +72,20 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The triangles with their texture coordinates, v up, as Wavefront files have it.
+/// The triangles with their texture coordinates, v up, as Wavefront files have it; a triangle without any at the
+/// map's corner, since a file has them for all or for none.
 fn obj(geometry: &Geometry, uvs: &[Option<[Vec2; 3]>]) -> String {
     let mut text = String::new();
-    let mut coordinates = 0;
     for (t, uvs) in uvs.iter().enumerate() {
         // Writing to a string cannot fail.
         for p in geometry.positions[t] {
             let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
         }
-        for uv in uvs.iter().flatten() {
+        for uv in uvs.unwrap_or_default() {
             let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
         }
-        text.push('f');
-        for corner in 1..=3 {
-            let _ = write!(text, " {}", 3 * t + corner);
-            if uvs.is_some() {
-                coordinates += 1;
-                let _ = write!(text, "/{coordinates}");
-            }
-        }
-        text.push('\n');
+        let [a, b, c] = [1, 2, 3].map(|corner| 3 * t + corner);
+        let _ = writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}");
     }
     text
 }

@@ -7,8 +7,9 @@ use clap::Args;
 use lumenscope_core::{
     io::{exr, png},
     math::colour::srgb8,
+    scene::{import, world::World},
 };
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 /// Faults of a kind that are listed with their place.
 const LISTED: usize = 5;
@@ -21,6 +22,9 @@ pub struct Options {
     /// Lightmap: `.exr` or `.hdr` with irradiance in lx, or `.png`.
     #[arg(long)]
     map: PathBuf,
+    /// Model file whose texture coordinates are used instead of the scene's, triangle by triangle, as `bake --atlas` writes one.
+    #[arg(long, value_name = "FILE")]
+    coordinates: Option<PathBuf>,
     /// Irradiance of white in a `.png`, or of 1 in the others, lx.
     #[arg(long, default_value_t = 1.0)]
     white: f32,
@@ -48,7 +52,16 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     // A missing file is told before anything is solved.
     file.read()?;
     let loaded = solve::load(&options.scene, common)?;
-    let solution = solve::solve(&loaded, false)?;
+    let mut solution = solve::solve(&loaded, false)?;
+    if let Some(path) = &options.coordinates {
+        let uvs = World::new(&import::load(path)?).geometry.lightmap_uvs;
+        let world = Arc::make_mut(&mut solution.world);
+        let (found, wanted) = (uvs.len(), world.geometry.len());
+        if found != wanted {
+            bail!("{}: {found} triangles; the scene has {wanted}", path.display());
+        }
+        world.geometry.lightmap_uvs = uvs;
+    }
     let judged = solve::watched(|progress| JudgedLightmap::new(&file, &solution, progress))?;
     println!("{}", serde_json::to_string_pretty(&summary(&judged))?);
     let Some(out) = &options.out else { return Ok(()) };

@@ -12,6 +12,7 @@
 //! `specular`), and the cached transport holds for where the objects stood when it was gathered.
 
 pub mod atlas;
+mod atlas_triangles;
 pub mod balance;
 mod bounces;
 mod charts;
