@@ -11,6 +11,7 @@ use lumenscope_core::{
         display::Filter,
         prefilter::gaussian,
         sphere::{SphereSurface, direction, direction_at, face_of, place_of},
+        sphere_orders::{FirstOrder, zero_order_texture},
     },
 };
 use std::f32::consts::FRAC_PI_2;
@@ -97,10 +98,10 @@ fn patches_of_different_depth_meet_without_a_gap() {
     let patches = patches(5, 4.0);
     let heights: Vec<u32> = patches.iter().map(|p| p.0.height()).collect();
     assert!(heights.iter().min() < heights.iter().max(), "{heights:?}");
-    let surface = SphereSurface::new(&patches);
-    let mut worst = 0f32;
-    for face in 0..6 {
-        for i in 0..200 {
+    let (smooth, first) = (SphereSurface::new(&patches), FirstOrder::new(&patches));
+    let worst = |at_face: &dyn Fn(usize, Vec2) -> Vec3| {
+        let mut worst = 0f32;
+        for (face, i) in (0..6).flat_map(|face| (0..200).map(move |i| (face, i))) {
             let along = i as f32 / 199.0;
             for (inside, beyond) in [
                 (Vec2::new(1e-4, along), Vec2::new(-1e-4, along)),
@@ -108,13 +109,53 @@ fn patches_of_different_depth_meet_without_a_gap() {
             ] {
                 let (other, there) = face_of(direction(face, beyond));
                 assert!(i == 0 || i == 199 || other != face);
-                let jump = (surface.at_face(face, inside) - surface.at_face(other, there)).x.abs();
+                let jump = (at_face(face, inside) - at_face(other, there)).x.abs();
                 worst = worst.max(jump / local_range(direction(face, inside)));
             }
         }
+        worst
+    };
+    let smooth = worst(&|face, uv| smooth.at_face(face, uv));
+    let joined = worst(&|face, uv| first.at_face(face, uv));
+    // So that the test can fail: patches of first order each by itself.
+    let apart = patches.each_ref().map(|(tree, samples)| fill_first_order(tree, samples));
+    let apart = worst(&|face, uv| apart[face].sample(uv, Filter::Bilinear));
+    println!(
+        "worst jump over an edge of the cube: smooth {smooth:.5}, first order {joined:.5} of the local range"
+    );
+    assert!(smooth < 0.01 && joined < 0.01 && apart > 0.05, "{smooth}, {joined}, apart {apart}");
+}
+
+#[test]
+fn first_order_of_a_sphere_keeps_the_samples_and_zero_order_the_leaves() {
+    let patches = patches(5, 4.0);
+    let first = FirstOrder::new(&patches);
+    for (face, (_, samples)) in patches.iter().enumerate() {
+        for (sample, i) in samples.texels.iter().zip(0u32..) {
+            let uv =
+                Vec2::new((i % samples.side) as f32, (i / samples.side) as f32) / (samples.side - 1) as f32;
+            let Some(sample) = sample else { continue };
+            // On an edge the finer neighbour's sample is of the same place; directions differ by rounding.
+            assert!((first.at_face(face, uv) - *sample).x.abs() < 1e-3 * sample.x.max(1.0), "{face} {uv}");
+        }
     }
-    println!("worst jump over an edge of the cube {worst:.5} of the local range");
-    assert!(worst < 0.01, "{worst}");
+    let mut number = 0.0;
+    let leaves = patches.each_ref().map(|(tree, _)| {
+        let values = tree.leaves().into_iter().map(|_| {
+            number += 1.0;
+            Vec3::splat(number)
+        });
+        (tree.clone(), values.collect::<Vec<_>>())
+    });
+    let zero = zero_order_texture(&leaves);
+    let height = patches.iter().map(|p| p.0.height()).max().expect("six patches");
+    assert_eq!((zero.image.width, zero.border), (4 << height, Border::Sphere));
+    for (face, (tree, values)) in leaves.iter().enumerate() {
+        for (leaf, value) in tree.leaves().iter().zip(values).filter(|(leaf, _)| leaf.level < height) {
+            let at = place_of(direction(face, leaf.centre(Shape::Quadrilateral)));
+            assert_eq!(zero.sample(at, Filter::Nearest), *value, "face {face}, {leaf:?}");
+        }
+    }
 }
 
 #[test]

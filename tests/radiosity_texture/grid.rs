@@ -2,9 +2,13 @@
 
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
-    math::{colour::luminance, progress::Progress},
-    measure::grid_texture::{GridReference, GridTexture, Prefilter, StageSettings},
-    radiosity::texture::display::Filter,
+    math::{colour::luminance, frame::uniform_direction, progress::Progress, random::Rng},
+    measure::grid_texture::{GridReference, GridTexture, Prefilter, Stage, StageSettings},
+    radiosity::texture::{
+        Border, RadiosityTexture,
+        display::Filter,
+        sphere::{direction_at, place_of},
+    },
     transport::LightTransportSolution,
 };
 use lumenscope_tests::{add, ball, box_room, cornell, diffuse, solved};
@@ -154,19 +158,56 @@ fn a_ball_is_one_texture_by_longitude_and_latitude() {
     let mut reference = GridReference::new(&grid, 1);
     (0..4).for_each(|_| reference.more(&grid, &solution.world, &Progress::silent()).unwrap());
     let (traced, noise) = (reference.mean(&grid), reference.noise(&grid));
-    for (number, stage) in grid.stages(&StageSettings::default()).iter().enumerate() {
+    // Trees that are fine where light bends.
+    let [taken, full] = grid.samples().expect("six trees");
+    println!("{taken} samples of {full}");
+    assert!(4 * taken < 3 * full, "{taken} of {full}");
+    let stages = grid.stages(&StageSettings::default());
+    // Range of the light within 10° of a direction, lx; a hundredth of the whole range where it is even.
+    let light = |stage: &Stage, d: Vec3| luminance(stage.texture.sample(place_of(d), stage.filter));
+    let range = |values: &mut dyn Iterator<Item = f32>| {
+        let (low, high) = values.fold((f32::INFINITY, 0f32), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let around = |i: u64| uniform_direction(Rng::new(2, i).next_vec2());
+    let whole = range(&mut (0..2000).map(|i| light(&stages[1], around(i))));
+    let local = |about: Vec3| {
+        let near = |i: u64| (about + 0.176 * around(i)).normalize();
+        range(&mut (0..400).map(|i| light(&stages[1], near(i)))).max(0.01 * whole)
+    };
+    // Largest jump over the seam, and spread about a pole, a hundredth of a texel away.
+    let seam_and_poles = |texture: &RadiosityTexture, filter: Filter| {
+        let step = 0.01 * texture.step;
+        let at = |u: f32, v: f32| luminance(texture.sample(Vec2::new(u, v), filter));
+        let seam = (1..60)
+            .map(|i| i as f32 / 60.0)
+            .map(|v| (at(1.0 - step.x, v) - at(step.x, v)).abs() / local(direction_at(Vec2::new(0.0, v))));
+        let poles = [(step.y, Vec3::Y), (1.0 - step.y, Vec3::NEG_Y)]
+            .map(|(v, pole)| range(&mut (0..64).map(|i| at(i as f32 / 64.0, v))) / local(pole));
+        [seam.fold(0.0, f32::max), poles[0].max(poles[1])]
+    };
+    for (number, stage) in stages.iter().enumerate() {
         let error = grid.judge(stage, &traced).unwrap();
-        let jump = (1..60).map(|i| {
-            let at = |u: f32| luminance(stage.texture.sample(Vec2::new(u, i as f32 / 60.0), stage.filter));
-            (at(1.0 - 1e-5) - at(1e-5)).abs()
-        });
-        let brightest = traced.pixels.iter().map(|p| luminance(*p)).fold(0.0, f32::max);
-        let seam = jump.fold(0.0, f32::max) / brightest;
-        println!("stage {}: {error:?}, seam {seam:.5} of the brightest, noise {noise:.4}", number + 1);
+        let [seam, poles] = seam_and_poles(&stage.texture, stage.filter);
+        println!("stage {}: {error:?}, seam {seam:.5}, poles {poles:.5}, noise {noise:.4}", number + 1);
         // Found 0.017 with elements of 2 cm on a ball of 8 cm, with the reference's 5 % of noise in it.
         assert!(error.rel_mse < 0.025, "{error:?}");
-        assert!(seam < 0.001, "{seam}");
+        assert!(seam < 0.01 && poles < 0.01, "{seam} {poles}");
+        // So that the test can fail: without padding the seam is open.
+        let open = RadiosityTexture { border: Border::Clamp, ..stage.texture.clone() };
+        assert!(seam_and_poles(&open, stage.filter)[0] > 0.01);
     }
+    // An even prefilter, which can be chosen for any surface, is the next narrower one on what goes round.
+    let with = |width| {
+        let prefilter = Prefilter::Gaussian(width);
+        grid.stages(&StageSettings { prefilter, ..StageSettings::default() })[2].clone()
+    };
+    assert_eq!((with(2), with(6)), (with(1), with(5)));
+    let [zero, first] = grid.orders().expect("six trees");
+    let errors = [&zero, &first].map(|stage| grid.judge(stage, &traced).unwrap().rel_mse);
+    println!("zero and first order of leaves: relMSE {errors:?}");
+    // Means of leaves blur; of zero order they jump too.
+    assert!(errors[1] < errors[0] && errors[0] < 0.1, "{errors:?}");
     // A wall is none.
     assert!(of(&solution, 0).is_some_and(|g| !g.is_ball()));
 }

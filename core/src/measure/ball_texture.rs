@@ -1,37 +1,49 @@
 //! A ball of a scene as one latitude–longitude texture of six patches (Bastos 1999, §5.5.4), stage by stage.
 //!
-//! The solver keeps the light of what is curved at corners of triangles. Its patches take samples of that, at the
-//! vertices of a lattice about as fine as the elements lie; from there on all is [`sphere`]: what is stored is the
-//! latitude–longitude texture of those samples, stage 2 the smooth function through the six patches.
+//! The solver keeps the light of what is curved at corners of triangles. Each of the six patches has a quadtree that
+//! grows a posteriori where that light bends ([`adapt`](crate::radiosity::texture::adapt)), down to about the spacing
+//! of the elements. What is stored is the latitude–longitude texture of the patches by the conversion of first order
+//! ([`sphere_orders`](crate::radiosity::texture::sphere_orders)), stage 2 the smooth function through them.
 //!
-//! Limits: what is a ball to within 2 % of its radius, seen from outside, in one object; what another thing hides
-//! against the ball is closed from around it. Rows near the poles count in errors as much as the others.
+//! Limits: what is a ball to within 2 % of its radius, seen from outside, in one object; points where another thing
+//! stands against it are not judged, and where it has a hole the nearest sample stands. Rows near the poles count in
+//! errors as much as the others.
 
 use super::grid_texture::{GridTexture, Smooth};
 use crate::{
-    math::{image::LinearImage, part::Part},
+    math::{colour::luminance, part::Part},
     radiosity::{
-        RadiositySolution,
+        RadiositySolution, reconstruct,
         texture::{
-            Border, Quadtree, RadiosityTexture, Shape,
+            Quadtree, Shape,
+            adapt::{Subdivision, sample_adaptively},
             convert::Gaps,
             sphere::{SphereSurface, direction, direction_at},
+            sphere_orders::FirstOrder,
         },
     },
     scene::{accel::Ray, direct::Receiver, geometry::Surface, world::World},
 };
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 use std::f32::consts::TAU;
 
 /// How far corners may be from the sphere, as a share of its radius.
 const ROUND: f32 = 0.02;
 /// Triangles of which something is round and not a block.
 const LEAST_TRIANGLES: usize = 64;
-/// Cells of a patch along an edge.
-const CELLS: [u32; 2] = [4, 32];
+/// Level that every leaf of a patch has at least, and that none goes beyond.
+const LEVELS: [u32; 2] = [2, 5];
+/// Things that may stand between a ball and what looks at it from close by.
+const MOST_BETWEEN: u32 = 8;
 /// Points along and across at which a ball is judged.
 const POINTS: [u32; 2] = [48, 24];
+
+/// The smooth function of a ball and the patches that it goes through.
+#[derive(Clone, Debug)]
+pub(super) struct BallPatches {
+    pub smooth: SphereSurface,
+    pub patches: [(Quadtree, Gaps); 6],
+}
 
 /// A round object.
 struct Ball {
@@ -53,15 +65,30 @@ impl Ball {
         (is_round && radius.is_finite()).then_some(Self { object, middle, radius })
     }
 
-    /// Its surface in a direction from the middle; `None` where another thing stands against it.
-    fn surface(&self, world: &World, towards: Vec3) -> Option<Surface> {
-        let from = self.middle + towards * (1.0 + ROUND) * self.radius;
-        let hit = world.accel.trace(&Ray::new(from, -towards))?;
-        let own = world.geometry.object[hit.triangle as usize] == self.object;
-        let surface = world.geometry.surface(hit.triangle, hit.barycentric, -towards);
-        // A facet's middle lies deeper than its corners.
-        (own && hit.t < 4.0 * ROUND * self.radius && world.geometry.is_lit(&surface)).then_some(surface)
+    /// Its surface in a direction from the middle, also where another thing stands against it, and whether none does.
+    fn surface(&self, world: &World, towards: Vec3) -> Option<(Surface, bool)> {
+        let mut height = (1.0 + ROUND) * self.radius;
+        for between in 0..MOST_BETWEEN {
+            let hit = world.accel.trace(&Ray::new(self.middle + towards * height, -towards))?;
+            height -= hit.t;
+            // A facet's middle lies deeper than its corners.
+            if height < (1.0 - 3.0 * ROUND) * self.radius {
+                return None;
+            }
+            if world.geometry.object[hit.triangle as usize] == self.object {
+                let surface = world.geometry.surface(hit.triangle, hit.barycentric, -towards);
+                return world.geometry.is_lit(&surface).then_some((surface, between == 0));
+            }
+            height -= 1e-4 * self.radius;
+        }
+        None
     }
+}
+
+/// A point at which a ball is judged, on its texture.
+fn point(i: u32) -> Vec2 {
+    let at = Vec2::new((i % POINTS[0]) as f32, (i / POINTS[0]) as f32) + Vec2::splat(0.5);
+    at / Vec2::new(POINTS[0] as f32, POINTS[1] as f32)
 }
 
 impl GridTexture {
@@ -71,34 +98,34 @@ impl GridTexture {
         let length = TAU * ball.radius;
         // Corners within half a spacing share an element.
         let wanted = 0.25 * length / (0.5 * solution.transport().map.spacing_m);
-        let cells = (wanted as u32).next_power_of_two().clamp(CELLS[0], CELLS[1]);
-        let light = |towards: Vec3| {
-            let s = ball.surface(world, towards)?;
+        let most_level = (wanted as u32).max(1).next_power_of_two().ilog2().clamp(LEVELS[0], LEVELS[1]);
+        let known_at = |towards: Vec3| {
+            let (s, _) = ball.surface(world, towards)?;
             Some(solution.irradiance(s.triangle, s.barycentric, s.back, Part::All))
         };
+        let around = (0..POINTS[0] * POINTS[1]).map(|i| direction_at(point(i)));
+        let known: Vec<(Vec3, Vec3)> = around.filter_map(|d| Some((d, known_at(d)?))).collect();
+        let mean = known.iter().map(|k| luminance(k.1)).sum::<f32>() / known.len().max(1) as f32;
+        let nearest = known.first()?.1;
+        let light = |towards: Vec3| {
+            let near = || known.iter().max_by(|a, b| a.0.dot(towards).total_cmp(&b.0.dot(towards)));
+            known_at(towards).unwrap_or_else(|| near().map_or(nearest, |k| k.1))
+        };
+        let tolerance = solution.settings().subdivision.map_or(reconstruct::TOLERANCE, |s| s.tolerance);
+        let subdivision = Subdivision {
+            least_level: LEVELS[0],
+            most_level,
+            tolerance: tolerance * mean,
+            restricted: false,
+        };
         let patches: [(Quadtree, Gaps); 6] = std::array::from_fn(|face| {
-            let (tree, side) = (Quadtree::full(Shape::Quadrilateral, cells.ilog2()), cells + 1);
-            let place = |i: u32| Vec2::new((i % side) as f32, (i / side) as f32) / cells as f32;
-            let texels = (0..side * side).into_par_iter().map(|i| light(direction(face, place(i)))).collect();
-            (tree, Gaps { side, texels })
+            sample_adaptively(Shape::Quadrilateral, &subdivision, |uv| light(direction(face, uv)))
         });
-        if patches.iter().all(|(_, gaps)| gaps.texels.iter().all(Option::is_none)) {
-            return None;
-        }
-        let smooth = SphereSurface::new(&patches);
-        // Where something stands against the ball, as the smooth function closes it.
-        let nodes = [4 * cells, 2 * cells + 1];
-        let step = Vec2::new(1.0 / nodes[0] as f32, 1.0 / (nodes[1] - 1) as f32);
-        let at = |x: u32, y: u32| direction_at(Vec2::new(x as f32, y as f32) * step);
-        let image = LinearImage::from_fn(nodes[0], nodes[1], |x, y| {
-            // A pole is one point, whatever its longitude.
-            let towards = at(if y == 0 || y + 1 == nodes[1] { 0 } else { x }, y);
-            light(towards).unwrap_or_else(|| smooth.at(towards))
-        });
+        let stored = FirstOrder::new(&patches).texture();
+        let nodes = [stored.image.width, stored.image.height];
         let receiver = |i: u32| {
-            let at = Vec2::new((i % POINTS[0]) as f32, (i / POINTS[0]) as f32) + Vec2::splat(0.5);
-            let at = at / Vec2::new(POINTS[0] as f32, POINTS[1] as f32);
-            Some(Receiver::of(&ball.surface(world, direction_at(at))?))
+            let (surface, open) = ball.surface(world, direction_at(point(i)))?;
+            open.then(|| Receiver::of(&surface))
         };
         Some(Self {
             chart: u32::MAX,
@@ -106,11 +133,19 @@ impl GridTexture {
             nodes,
             size_m: Vec2::new(length, 0.5 * length),
             points: POINTS,
-            stored: RadiosityTexture { image, first: Vec2::ZERO, step, border: Border::Sphere },
-            open: vec![false; (nodes[0] * nodes[1]) as usize],
-            smooth: Smooth::Ball(Box::new(smooth)),
+            stored,
+            open: Vec::new(),
+            smooth: Smooth::Ball(Box::new(BallPatches { smooth: SphereSurface::new(&patches), patches })),
             receivers: (0..POINTS[0] * POINTS[1]).map(receiver).collect(),
         })
+    }
+
+    /// Samples that the quadtrees of a ball's patches took, and how many full ones would; `None` of grids.
+    pub fn samples(&self) -> Option<[usize; 2]> {
+        let Smooth::Ball(ball) = &self.smooth else { return None };
+        let taken = ball.patches.iter().map(|(_, samples)| samples.texels.iter().flatten().count()).sum();
+        let side = (1usize << ball.patches.iter().map(|(tree, _)| tree.height()).max().unwrap_or(0)) + 1;
+        Some([taken, 6 * side * side])
     }
 
     /// Whether it is a ball's, by latitude and longitude.

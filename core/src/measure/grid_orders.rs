@@ -4,15 +4,17 @@
 //!
 //! The solver's samples are nodes and not leaves, so a leaf's radiosity is the mean of its corners. The tree is the
 //! solver's own where it has one: a cell is a leaf unless a node that was solved lies between its corners. Beyond
-//! the grid the nodes of its border stand again.
+//! the grid the nodes of its border stand again. A ball has six trees, whose texels a latitude–longitude texture
+//! looks up.
 
 use super::grid_texture::{GridTexture, Smooth, Stage};
 use crate::radiosity::texture::{
-    Quadtree, RadiosityTexture, Shape,
-    convert::{fill_first_order, fill_zero_order, first_order, zero_order},
+    Cell, Quadtree, RadiosityTexture, Shape,
+    convert::{Gaps, fill_first_order, fill_zero_order, first_order, zero_order},
     display::Filter,
+    sphere_orders::{FirstOrder, zero_order_texture},
 };
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
 /// Levels of a tree, at most: what [`Quadtree`] allows.
 const MOST_LEVELS: u32 = 10;
@@ -22,9 +24,12 @@ pub const ORDERS: [&str; 2] = ["zero order", "first order"];
 
 impl GridTexture {
     /// The textures of zero and first order, looked up nearest and bilinearly; `None` where the grid has more than
-    /// 1,024 cells along an edge, or is a ball's.
+    /// 1,024 cells along an edge.
     pub fn orders(&self) -> Option<[Stage; 2]> {
-        let Smooth::Grid(_, window) = self.smooth else { return None };
+        let window = match &self.smooth {
+            Smooth::Grid(_, window) => *window,
+            Smooth::Ball(ball) => return Some(of_ball(&ball.patches)),
+        };
         let [nx, ny] = self.nodes;
         let height = (nx.max(ny) - 1).next_power_of_two().ilog2();
         if height > MOST_LEVELS {
@@ -38,13 +43,7 @@ impl GridTexture {
             let mut inside = (0..=span).flat_map(|b| (0..=span).map(move |a| (a, b)));
             inside.any(|(a, b)| between(a, b) && solved(cell.u * span + a, cell.v * span + b))
         });
-        let node = |x: u32, y: u32| self.stored.image.at(x.min(nx - 1), y.min(ny - 1));
-        let mean = |corners: Vec<Vec3>| corners.iter().sum::<Vec3>() / corners.len() as f32;
-        let radiosity: Vec<Vec3> = tree
-            .leaves()
-            .iter()
-            .map(|leaf| mean(leaf.corners(Shape::Quadrilateral, height).map(|c| node(c.x, c.y)).collect()))
-            .collect();
+        let radiosity = of_leaves(&tree, height, |c| self.stored.image.at(c.x.min(nx - 1), c.y.min(ny - 1)));
         let zero = fill_zero_order(&tree, &radiosity, &zero_order(&tree, &radiosity));
         let first = fill_first_order(&tree, &first_order(&tree, &radiosity).average());
         // The grid takes a share of the tree's square.
@@ -57,4 +56,23 @@ impl GridTexture {
             Stage { texture: over_grid(first), filter: Filter::Bilinear },
         ])
     }
+}
+
+/// The mean of the corners of each leaf, on the lattice of a level.
+fn of_leaves(tree: &Quadtree, height: u32, node: impl Fn(UVec2) -> Vec3) -> Vec<Vec3> {
+    let mean = |corners: Vec<Vec3>| corners.iter().sum::<Vec3>() / corners.len() as f32;
+    let corners = |leaf: &Cell| leaf.corners(tree.shape(), height).map(&node).collect();
+    tree.leaves().iter().map(|leaf| mean(corners(leaf))).collect()
+}
+
+fn of_ball(patches: &[(Quadtree, Gaps); 6]) -> [Stage; 2] {
+    let leaves = patches.each_ref().map(|(tree, samples)| {
+        let node = |c: UVec2| samples.texels[(c.y * samples.side + c.x) as usize].unwrap_or_default();
+        (tree.clone(), of_leaves(tree, tree.height(), node))
+    });
+    let means = leaves.each_ref().map(|(tree, values)| (tree.clone(), first_order(tree, values).average()));
+    [
+        Stage { texture: zero_order_texture(&leaves), filter: Filter::Nearest },
+        Stage { texture: FirstOrder::new(&means).texture(), filter: Filter::Bilinear },
+    ]
 }

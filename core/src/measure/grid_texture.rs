@@ -12,7 +12,7 @@
 //! region has no light of its own and is not judged; surfaces lit at their corners have no grid, but for balls
 //! (`ball_texture`).
 
-use super::{MeasureError, image, perceptual};
+use super::{MeasureError, ball_texture::BallPatches, image, perceptual};
 use crate::{
     math::{
         colour::luminance,
@@ -26,11 +26,10 @@ use crate::{
         reconstruct::{lattice, resampled, smooth},
         surface_map::{Chart, Element, INTERPOLATED, OUTSIDE},
         texture::{
-            RadiosityTexture,
+            Border, RadiosityTexture,
             display::Filter,
             hermite::HermiteSurface,
             prefilter::{WIDEST, adaptive, gaussian},
-            sphere::SphereSurface,
         },
     },
     reference::{irradiance::irradiance_with, path::PathTracer},
@@ -68,7 +67,7 @@ impl Default for StageSettings {
 /// A low pass over texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Prefilter {
-    /// A Gaussian of this many texels a side, 1 to 6; 1 changes nothing.
+    /// A Gaussian of this many texels a side, 1 to 6; 1 changes nothing; on what goes round, of one less where even.
     Gaussian(u32),
     /// The widest up to 5 × 5 that moves no texel by more than 2 %.
     Adaptive,
@@ -120,7 +119,7 @@ pub(super) enum Smooth {
     /// Of a grid, and the share of its square that the grid takes.
     Grid(HermiteSurface, Vec2),
     /// Of the six patches of a ball.
-    Ball(Box<SphereSurface>),
+    Ball(Box<BallPatches>),
 }
 
 impl GridTexture {
@@ -178,9 +177,13 @@ impl GridTexture {
             Smooth::Grid(surface, window) => {
                 resampled(surface, *window, self.nodes.map(|n| (n - 1) * factor + 1))
             }
-            Smooth::Ball(surface) => surface.sampled(self.nodes[0] / 4 * factor),
+            Smooth::Ball(ball) => ball.smooth.sampled(self.nodes[0] / 4 * factor),
         };
         let filtered = match settings.prefilter {
+            // An even one lies aside, which what goes round cannot.
+            Prefilter::Gaussian(width) if smooth.border != Border::Clamp => {
+                gaussian(&smooth, (width.clamp(1, WIDEST) - 1) | 1)
+            }
             Prefilter::Gaussian(width) => gaussian(&smooth, width.clamp(1, WIDEST)),
             Prefilter::Adaptive => adaptive(&smooth, super::reconstruction::ADAPTIVE_TOLERANCE),
         };

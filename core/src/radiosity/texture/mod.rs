@@ -10,7 +10,8 @@
 //! 5. [`display`]: bilinear or bicubic lookup (stage 3).
 //!
 //! [`adapt`] grows a tree where what is sampled asks for it, over any surface with parameters u and v;
-//! [`sphere`] puts the six patches of a sphere into one latitude–longitude texture.
+//! [`sphere`] puts the six patches of a sphere into one latitude–longitude texture, [`sphere_orders`] does so by the
+//! rules of [`convert`].
 //!
 //! The quantity is irradiance or radiosity in lx, per channel; nothing here depends on which.
 //!
@@ -24,6 +25,7 @@ pub mod hermite;
 pub mod prefilter;
 mod quadtree;
 pub mod sphere;
+pub mod sphere_orders;
 pub mod triangle;
 
 pub use quadtree::{Cell, Quadtree, Shape};

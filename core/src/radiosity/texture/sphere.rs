@@ -111,15 +111,21 @@ impl SphereSurface {
 
     /// The latitude–longitude texture, four times as wide as `cells`.
     pub fn sampled(&self, cells: u32) -> RadiosityTexture {
-        let (w, h) = (4 * cells, 2 * cells + 1);
-        let step = Vec2::new(1.0 / w as f32, 1.0 / (h - 1) as f32);
-        let image = LinearImage::from_fn(w, h, |x, y| match y {
-            0 => self.at(Vec3::Y),
-            y if y + 1 == h => self.at(Vec3::NEG_Y),
-            y => self.at(direction_at(Vec2::new(x as f32, y as f32) * step)),
-        });
-        RadiosityTexture { image, first: Vec2::ZERO, step, border: Border::Sphere }
+        by_longitude(cells, |towards| self.at(towards))
     }
+}
+
+/// The latitude–longitude texture of a function of direction, four times as wide as `cells`; the poles have one
+/// value each.
+pub(super) fn by_longitude(cells: u32, at: impl Fn(Vec3) -> Vec3 + Sync) -> RadiosityTexture {
+    let (w, h) = (4 * cells, 2 * cells + 1);
+    let step = Vec2::new(1.0 / w as f32, 1.0 / (h - 1) as f32);
+    let image = LinearImage::from_fn(w, h, |x, y| match y {
+        0 => at(Vec3::Y),
+        y if y + 1 == h => at(Vec3::NEG_Y),
+        y => at(direction_at(Vec2::new(x as f32, y as f32) * step)),
+    });
+    RadiosityTexture { image, first: Vec2::ZERO, step, border: Border::Sphere }
 }
 
 /// Samples on the lattice of a level at or below a tree's.
@@ -135,26 +141,32 @@ fn spread(tree: &Quadtree, samples: &Gaps, height: u32) -> Gaps {
     Gaps { side, texels }
 }
 
-/// Gives what one face knows at a vertex on its border to the others that meet there; where several know,
-/// their mean.
-fn share_edges(faces: &mut [Gaps]) {
+/// The vertices of lattices of `side` vertices a side that lie on borders of faces, by place: face and number of all
+/// that meet at each.
+pub(super) fn meeting(side: u32) -> impl Iterator<Item = Vec<(usize, usize)>> {
     let mut meeting: BTreeMap<[i32; 3], Vec<(usize, usize)>> = BTreeMap::new();
-    for (face, gaps) in faces.iter().enumerate() {
-        let cells = gaps.side as i32 - 1;
-        let [n, u, v] = FACES[face].map(|axis| axis.as_ivec3());
-        for i in 0..gaps.texels.len() {
-            let (x, y) = ((i as u32 % gaps.side) as i32, (i as u32 / gaps.side) as i32);
+    let cells = side as i32 - 1;
+    for (face, axes) in FACES.iter().enumerate() {
+        let [n, u, v] = axes.map(|axis| axis.as_ivec3());
+        for i in 0..side * side {
+            let (x, y) = ((i % side) as i32, (i / side) as i32);
             if x.min(y) == 0 || x.max(y) == cells {
                 let on_cube = n * cells + u * (2 * x - cells) + v * (2 * y - cells);
-                meeting.entry(on_cube.to_array()).or_default().push((face, i));
+                meeting.entry(on_cube.to_array()).or_default().push((face, i as usize));
             }
         }
     }
-    for vertices in meeting.values() {
+    meeting.into_values()
+}
+
+/// Gives what one face knows at a vertex on its border to the others that meet there; where several know,
+/// their mean.
+fn share_edges(faces: &mut [Gaps]) {
+    for vertices in meeting(faces[0].side) {
         let known: Vec<Vec3> = vertices.iter().filter_map(|&(face, i)| faces[face].texels[i]).collect();
         if !known.is_empty() {
             let mean = known.iter().sum::<Vec3>() / known.len() as f32;
-            for &(face, i) in vertices {
+            for (face, i) in vertices {
                 faces[face].texels[i] = Some(mean);
             }
         }
