@@ -35,6 +35,25 @@ fn mirrors_are_shown_from_images_and_judged_by_how_many() {
 }
 
 #[test]
+fn images_are_kept_when_something_moves_and_both_ways_are_timed() {
+    let (_keep, out) = folder();
+    let pyramid = scene("mirror/pyramid.ron");
+    let moved = |names: &str| {
+        let few = ["--size", "60x45", "--count", "1", "--tolerance", "0.3", "--by", "-0.1,0,0.05"];
+        run(&[&["images", &pyramid, "--out", text(&out), "--move", names][..], &few].concat())
+    };
+    moved("Lamp").unwrap();
+    let table = fs::read_to_string(out.join("moved.csv")).unwrap();
+    let row = table.lines().nth(1).unwrap();
+    let numbers: Vec<f64> = row.split(',').skip(1).map(|n| n.parse().unwrap()).collect();
+    let [rays, points, share, changed, images, ..] = numbers[..] else { panic!("{table}") };
+    assert!(row.starts_with("Lamp,") && rays > 0.0 && 10.0 * rays < points, "{table}");
+    assert!((share - 100.0 * rays / points).abs() < 1e-9 && changed > 0.0 && changed <= images, "{table}");
+    let error = moved("nobody").unwrap_err();
+    assert!(error.contains("no object is called `nobody`") && error.lines().count() == 1, "{error}");
+}
+
+#[test]
 fn a_picture_has_its_mirrors_from_images_where_it_is_asked_to() {
     let (_keep, out) = folder();
     let pyramid = scene("mirror/pyramid.ron");

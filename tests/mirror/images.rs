@@ -23,6 +23,7 @@ use lumenscope_core::{
     transport::LightTransportSolution,
 };
 use lumenscope_tests::{add, cuboid, rectangle, solved};
+use std::sync::Arc;
 
 const SIZE: UVec2 = UVec2::new(120, 90);
 const SETTINGS: SampleSettings = SampleSettings { element_m: 2.0, poses: 7, radius_m: 1.5, resolution: 128 };
@@ -102,7 +103,7 @@ fn surfaces_seen_from_elsewhere_lie_within_a_footprint_of_where_they_are() {
     let solution = solved(scene, 0.5);
     let (reflectors, mut images) = samples(&solution);
     // Colours that say where on the floor a point lies, x and z, and how large it is; nothing else is compared.
-    for image in images.sets[0].elements.iter_mut().flatten() {
+    for image in images.sets[0].elements.iter_mut().flatten().map(Arc::make_mut) {
         for pixel in 0..image.triangle.len() as u32 {
             let Point { position, sides, .. } = image.point(pixel);
             let size = if position.y.abs() < 1e-4 { sides[0].length() + sides[1].length() } else { -1.0 };
@@ -209,7 +210,7 @@ fn runs<'a>(
     images: &'a MirrorImages,
     camera: &Camera,
     size: UVec2,
-) -> (MirroredView, Runs, &'a [Vec<ImageWithDepth>]) {
+) -> (MirroredView, Runs, &'a [Vec<Arc<ImageWithDepth>>]) {
     let geometry = &solution.world.geometry;
     let eye = Eye::new(camera, size.x as f32 / size.y as f32);
     let view = mirrored_views(geometry, &Reflectors::new(geometry), eye, 1)[0];
@@ -229,7 +230,7 @@ fn culling_points_changes_no_pixel() {
     let size = UVec2::new(480, 360);
     let (view, chosen, elements) = runs(&solution, &images, &camera, size);
     let points: Vec<Point> = chosen.iter().flat_map(|(_, points)| points.iter().copied()).collect();
-    let all: Vec<Point> = elements.iter().flatten().flat_map(ImageWithDepth::points).collect();
+    let all: Vec<Point> = elements.iter().flatten().flat_map(|image| image.points()).collect();
     let mask = vec![true; (size.x * size.y) as usize];
     let shown = |points: &[Point]| reproject(points, &view.eye, (size, Vec2::splat(0.5)), &mask, Splat::Box);
     let (some, whole) = (shown(&points), shown(&all));

@@ -203,6 +203,48 @@ fn mirrors_from_images_with_depth_are_the_specifications() {
 }
 
 #[test]
+fn images_that_follow_what_moves_are_sent_where_they_changed() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let mut scene = (*mirrored().scene).clone();
+    // What moves is dull: the light of moved things that shine is another matter.
+    let short = scene.materials.iter_mut().find(|m| m.name == "short").unwrap();
+    (short.metallic, short.roughness) = (0.0, 1.0);
+    scene.plan.mirrors = Some(MirrorMethod::Images);
+    let solution = lumenscope_tests::solved(scene, 0.2);
+    let images = Arc::new(MirrorImages::automatic(&solution.world, &Progress::silent()).unwrap());
+    let mut scene = (*solution.scene).clone();
+    scene.plan.mirrors = Some(MirrorMethod::Images);
+    let first =
+        LightTransportSolution { scene: Arc::new(scene), mirror_images: Some(images.clone()), ..solution };
+    let camera =
+        Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.4, -0.5), ..Camera::default() };
+    let settings = frame_settings(camera, DirectQuality::Elements);
+    gpu.upload(&first);
+    gpu.frame(&settings);
+    let before = gpu.layers();
+    let (moved, _) = lumenscope_tests::with_moved_block(&first, Vec3::new(-0.55, 0.0, 0.1));
+    let followed = images.moved(&moved.world);
+    assert!(followed.hold(&moved.world.geometry) && followed.rays < followed.points());
+    let moved = LightTransportSolution { mirror_images: Some(followed), ..moved };
+    gpu.upload(&moved);
+    gpu.frame(&settings);
+    let layers = gpu.layers();
+    let pass = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    let (buffer, wanted) = render(&moved, &camera, SIZE[0], SIZE[1], &pass);
+    let which = [Layer::Mirror, Layer::Glossy];
+    compare_layers("images followed", &which, (&gpu.triangles(), &layers), (&buffer, &wanted));
+    let (old, new) = (before.get(Layer::Mirror), layers.get(Layer::Mirror));
+    let changed = old.pixels.iter().zip(&new.pixels).filter(|(a, b)| a != b).count();
+    assert!(changed > 50, "{changed} pixels of mirrors show the move");
+    // A device that never had other images shows the same.
+    let mut other = Gpu::new(self::context().unwrap());
+    other.upload(&moved);
+    other.frame(&settings);
+    assert!(other.layers() == layers);
+}
+
+#[test]
 fn a_scene_without_reflectors_has_no_pass_and_no_buffer_of_mirrors() {
     if context().is_none() {
         return;

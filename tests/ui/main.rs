@@ -6,6 +6,7 @@ mod inspector;
 mod kernel;
 mod light_paths;
 mod lightmap;
+mod mirrors;
 mod placement;
 mod pointer;
 mod texture;

@@ -4,7 +4,7 @@
 use super::{
     Common,
     glossy::flip,
-    parse_size,
+    images_moved, parse_point, parse_size,
     render::{auto_display, write_png},
     solve,
 };
@@ -32,7 +32,7 @@ use std::{fmt::Write as _, path::PathBuf, time::Instant};
 pub struct Options {
     /// Scene file.
     scene: PathBuf,
-    /// Folder for `samples.csv`, `images.csv` and the pictures.
+    /// Folder for `samples.csv`, `images.csv`, `moved.csv` and the pictures.
     #[arg(long)]
     out: PathBuf,
     /// Picture size.
@@ -57,6 +57,12 @@ pub struct Options {
     /// Choose images by distance instead of by angle.
     #[arg(long)]
     by_distance: bool,
+    /// Movable objects by name, each moved alone: what keeping the images costs then, and what taking them anew.
+    #[arg(long = "move", value_delimiter = ',')]
+    moved: Vec<String>,
+    /// How far they are moved, m.
+    #[arg(long, default_value = "0.3,0,0", value_parser = parse_point, allow_hyphen_values = true)]
+    by: Vec3,
 }
 
 /// Samples, shows, compares and prints.
@@ -79,6 +85,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let began = Instant::now();
     let mut images = options.sample(&World::new(&loaded.scene))?;
     let seconds = began.elapsed().as_secs_f64();
+    if !options.moved.is_empty() {
+        let anew = |world: &World| options.sample(world);
+        images_moved::run(&loaded.scene, &images, (&options.moved, options.by), &anew, &options.out)?;
+    }
     let solution = solve::solve(&loaded, false)?;
     let (world, camera) = (&solution.world, &solution.scene.camera);
     let pass = PassSettings { direct: DirectQuality::Elements, seed: common.seed, ..PassSettings::default() };

@@ -30,6 +30,7 @@ mod glossy_particles;
 mod glossy_sheet;
 mod headless;
 mod images;
+mod images_moved;
 mod irradiance;
 mod kernel;
 mod leaks;

@@ -72,6 +72,7 @@ impl LightTransportSolution {
                 part: visitor.part,
             });
         }
-        Self { world: Arc::new(world), guests: Arc::new(guests), ..self.clone() }
+        let mirror_images = self.mirror_images.as_ref().map(|images| images.moved(&world));
+        Self { world: Arc::new(world), guests: Arc::new(guests), mirror_images, ..self.clone() }
     }
 }

@@ -121,6 +121,8 @@ pub struct LiveTransport {
     settings: SolveSettings,
     solved: Arc<Scene>,
     current: LightTransportSolution,
+    /// Images-with-depth of the scene that was solved.
+    taken: Option<Arc<MirrorImages>>,
     /// Emitters whose shadow rays are coarse.
     coarse: Vec<Target>,
     /// Whether sweeps or shadow rays were cut short.
@@ -135,6 +137,17 @@ impl LiveTransport {
     pub fn solve(
         scene: Arc<Scene>,
         settings: SolveSettings,
+        progress: &Progress,
+        show: &mut dyn FnMut(&LightTransportSolution),
+    ) -> Result<Self, SolveError> {
+        Self::solve_with(scene, settings, None, progress, show)
+    }
+
+    /// The same with images-with-depth that were taken before something moved.
+    fn solve_with(
+        scene: Arc<Scene>,
+        settings: SolveSettings,
+        taken: Option<Arc<MirrorImages>>,
         progress: &Progress,
         show: &mut dyn FnMut(&LightTransportSolution),
     ) -> Result<Self, SolveError> {
@@ -183,7 +196,8 @@ impl LiveTransport {
         if MirrorSettings::of(&scene.plan).images.is_some() {
             show(&current);
             let start = Instant::now();
-            current.mirror_images = Some(Arc::new(MirrorImages::automatic(&current.world, progress)?));
+            let images = taken.unwrap_or_default().followed(&current.world, u64::MAX, progress)?;
+            current.mirror_images = images.map(Arc::new);
             stage("mirror", start, &mut current.provenance);
         }
         if let Some(count) = light::wanted(&scene.plan, &current.world.geometry) {
@@ -211,7 +225,14 @@ impl LiveTransport {
         }
         current.provenance.state = State::Settled;
         show(&current);
-        Ok(Self { settings, solved: scene, current, coarse: Vec::new(), unsettled: false })
+        Ok(Self {
+            settings,
+            solved: scene,
+            taken: current.mirror_images.clone(),
+            current,
+            coarse: Vec::new(),
+            unsettled: false,
+        })
     }
 
     /// The latest solution.
@@ -222,7 +243,8 @@ impl LiveTransport {
     /// Brings the solution to a scene whose placements or dimmers changed, at once and coarsely.
     ///
     /// Lamps and emissive objects are relit through the cached transport. An object that moved casts
-    /// its shadow in the direct light of every emitter; its own transport waits for [`Self::refine`].
+    /// its shadow in the direct light of every emitter; its own transport waits for [`Self::refine`]. Images-with-depth
+    /// are kept, and the rays traced anew that meet what moved.
     pub fn follow(&mut self, scene: Arc<Scene>) -> &LightTransportSolution {
         let start = Instant::now();
         let mut world = (*self.current.world).clone();
@@ -230,6 +252,13 @@ impl LiveTransport {
         let relit = self.lights_touched(&scene, &changed);
         self.current.scene = scene;
         self.current.world = Arc::new(world);
+        let world = &self.current.world;
+        let stale = |images: &Arc<MirrorImages>| !images.hold(&world.geometry);
+        if let Some(taken) =
+            self.taken.as_ref().filter(|_| self.current.mirror_images.as_ref().is_some_and(stale))
+        {
+            self.current.mirror_images = Some(taken.moved(world));
+        }
         self.relight(&changed, &relit, MOVING_SHADOW_RAYS, MOVING_SWEEPS, &relit);
         if let Some(particles) = &self.current.particles
             && let Some(count) = light::wanted(&self.current.scene.plan, &self.current.world.geometry)
@@ -279,7 +308,8 @@ impl LiveTransport {
         }
         let revision = self.current.provenance.revision;
         let settings = SolveSettings { preview: false, ..self.settings.clone() };
-        let solved = Self::solve(self.current.scene.clone(), settings, progress, &mut |_| {})?;
+        let (scene, taken) = (self.current.scene.clone(), self.taken.clone());
+        let solved = Self::solve_with(scene, settings, taken, progress, &mut |_| {})?;
         *self = solved;
         self.current.provenance.revision += revision;
         Ok(Some(&self.current))

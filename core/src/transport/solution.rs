@@ -38,7 +38,7 @@ pub struct LightTransportSolution {
     pub guests: Arc<Vec<Guest>>,
     /// The light around curved reflectors.
     pub environments: Arc<Environments>,
-    /// What flat reflectors mirror, if the plan shows it from images-with-depth; it holds whatever the light.
+    /// What flat reflectors mirror, if the plan shows it from images-with-depth; it holds whatever the light, and follows what moves.
     pub mirror_images: Option<Arc<MirrorImages>>,
     /// Light on glossy surfaces as particles, if the plan makes their layer of it.
     pub particles: Option<Arc<ParticleLight>>,

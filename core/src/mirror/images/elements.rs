@@ -1,12 +1,15 @@
 //! How a reflector is cut into elements, and where pictures of each are taken from (Bastos 1999, §6.6.1).
 
-use super::{sample::ImageWithDepth, visible::LEAF};
+use super::{
+    sample::{ImageWithDepth, Surroundings},
+    visible::LEAF,
+};
 use crate::{
     mirror::{reflectors::Reflector, views::above},
-    scene::{geometry::Geometry, world::World},
+    scene::geometry::Geometry,
 };
 use glam::{Vec2, Vec3};
-use std::f32::consts::TAU;
+use std::{f32::consts::TAU, sync::Arc};
 
 /// How a reflector is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,13 +104,18 @@ impl Elements {
         Self { windows, across, up, normal }
     }
 
-    pub(super) fn sample(&self, world: &World, settings: &SampleSettings) -> Vec<Vec<ImageWithDepth>> {
+    pub(super) fn sample(
+        &self,
+        around: &Surroundings,
+        settings: &SampleSettings,
+    ) -> Vec<Vec<Arc<ImageWithDepth>>> {
         let pictures = |window: &[Vec3; 3]| {
             let middle = window[0] + 0.5 * (window[1] + window[2]);
             let poses = (0..settings.poses).map(|pose| {
                 let out = pose_direction(pose, settings.poses);
                 let away = self.across * out.x + self.up * out.y - self.normal * out.z;
-                ImageWithDepth::new(world, middle + settings.radius_m * away, *window, settings.resolution)
+                let eye = middle + settings.radius_m * away;
+                Arc::new(ImageWithDepth::new(around, eye, *window, settings.resolution))
             });
             poses.collect()
         };

@@ -1,11 +1,12 @@
 //! Mirrored views from images-with-depth on the GPU: twin of [`super::reproject()`] with boxes.
 //!
-//! Images are on the device from when they are first shown. Each frame the processor chooses them and what of them may
-//! show, a table of runs of 64 points; the device splats these, and leaves the triangle of each pixel's nearest point
-//! where the raster pass of a mirrored view would leave it. So everything after is the same as from the geometry.
+//! Images are on the device from when they are first shown; those that a move changes are sent again. Each frame the
+//! processor chooses them and what of them may show, a table of runs of 64 points; the device splats these, and leaves
+//! the triangle of each pixel's nearest point where the raster pass of a mirrored view would leave it. So everything
+//! after is the same as from the geometry.
 
 use super::{
-    MirrorImages, Selection,
+    ImageWithDepth, MirrorImages, Selection,
     pass::in_use,
     visible::{LEAF, Run, Sight},
 };
@@ -147,23 +148,49 @@ impl ImagePasses {
         if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, images)) {
             return Ok(());
         }
-        self.shown = None;
-        let (mut infos, mut points) = (Vec::new(), Vec::new());
-        for image in images.sets.iter().flat_map(|set| set.images()) {
-            infos.push(ImageInfo {
+        let list = |of: &MirrorImages| -> Vec<Arc<ImageWithDepth>> {
+            of.sets.iter().flat_map(|set| set.elements.iter().flatten().cloned()).collect()
+        };
+        let (now, before) = (list(images), self.shown.take().map(|shown| list(&shown)));
+        let mut first = 0;
+        let info = |image: &Arc<ImageWithDepth>| {
+            let info = ImageInfo {
                 eye: image.eye,
-                first: points.len() as u32,
+                first,
                 corner: image.corner,
                 resolution: image.resolution,
                 edge_u: image.edge_u,
                 edge_v: image.edge_v,
                 ..ImageInfo::default()
-            });
-            let seen = image.scale.iter().zip(&image.triangle);
-            points.extend(seen.map(|(&scale, &triangle)| ImagePoint { scale, triangle }));
-        }
+            };
+            first += image.triangle.len() as u32;
+            info
+        };
+        let infos: Vec<ImageInfo> = now.iter().map(info).collect();
         self.images.write(device, queue, &infos)?;
-        self.points.write(device, queue, &points)?;
+        let points = |image: &ImageWithDepth| -> Vec<ImagePoint> {
+            let seen = image.scale.iter().zip(&image.triangle);
+            seen.map(|(&scale, &triangle)| ImagePoint { scale, triangle }).collect()
+        };
+        let resolutions =
+            |images: &[Arc<ImageWithDepth>]| images.iter().map(|i| i.resolution).collect::<Vec<_>>();
+        match before.filter(|before| resolutions(before) == resolutions(&now)) {
+            // What moved is seen by some.
+            Some(before) => {
+                let others = now
+                    .iter()
+                    .zip(&before)
+                    .zip(&infos)
+                    .filter(|((now, before), _)| !Arc::ptr_eq(now, before));
+                for ((image, _), info) in others {
+                    self.points.patch(queue, info.first as usize, &points(image));
+                }
+            }
+            None => {
+                let all: Vec<ImagePoint> = now.iter().flat_map(|image| points(image)).collect();
+                self.points.write(device, queue, &all)?;
+            }
+        }
         self.shown = Some(images.clone());
         Ok(())
     }

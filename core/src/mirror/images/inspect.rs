@@ -84,6 +84,14 @@ pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
         }
         scene.notes.push(text);
     }
+    if images.rays < images.points() {
+        scene.notes.push(format!(
+            "{} of {} rays were traced anew for what has moved, {:.2} %",
+            images.rays,
+            images.points(),
+            100.0 * images.rays as f64 / images.points() as f64
+        ));
+    }
     let points = Nearest { images: &images, selection: Selection::Angle, count };
     let picture = frame.from_ids(&points, &shading);
     let brightest = picture.radiance.iter().map(|r| r.max_element()).fold(1e-6, f32::max).min(2000.0);
@@ -101,9 +109,10 @@ pub fn images(solution: &LightTransportSolution) -> Option<InspectionScene> {
         .images
         .push(NamedImage { name: "mirrored by images-with-depth, holes in magenta".into(), image: shown });
     scene.notes.push(format!(
-        "{} points in {} pixels of mirrors; {:.1} % are holes",
+        "{} points in {} pixels of mirrors; {} of these are holes, {:.1} %",
         picture.points,
         picture.mirrored,
+        picture.holes(),
         100.0 * picture.hole_share()
     ));
     Some(scene)

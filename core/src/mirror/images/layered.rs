@@ -1,7 +1,8 @@
 //! A layered image: the points of many samples, each surface kept once (Bastos 1999, §6.8).
 
 use super::sample::{ImageWithDepth, NOTHING, Point};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Share of the distance within which two points in one pixel are the same surface.
 const SAME_SURFACE: f32 = 0.01;
@@ -22,11 +23,11 @@ impl LayeredImage {
     ///
     /// A point is dropped where one of the same pixel stands for it already: of the same triangle, or nearly as far
     /// away. What falls outside the view is kept, each as it is.
-    pub fn new(images: &[ImageWithDepth]) -> Self {
+    pub fn new(images: &[Arc<ImageWithDepth>]) -> Self {
         let mut layered = Self { points: Vec::new(), merged_from: 0, layers: 0 };
         let Some(view) = images.first() else { return layered };
         let mut pixels: Vec<Vec<(f32, u32)>> = vec![Vec::new(); view.triangle.len()];
-        for point in images.iter().flat_map(ImageWithDepth::points) {
+        for point in images.iter().flat_map(|image| image.points()) {
             layered.merged_from += usize::from(point.triangle != NOTHING);
             if let Some((pixel, distance)) = seen_from(view, point.position) {
                 let same = |&(d, triangle): &(f32, u32)| {
@@ -51,15 +52,8 @@ impl LayeredImage {
 
 /// The pixel of a sample's view that a place falls into, and its distance, m.
 fn seen_from(view: &ImageWithDepth, position: Vec3) -> Option<(usize, f32)> {
-    let normal = view.edge_u.cross(view.edge_v);
-    let out = position - view.eye;
-    let scale = normal.dot(view.corner - view.eye) / normal.dot(out);
-    if !scale.is_finite() || scale <= 0.0 {
-        return None;
-    }
-    let at = view.eye + out * scale - view.corner;
-    let along = |edge: Vec3| at.dot(edge) / edge.length_squared() * view.resolution as f32;
-    let (x, y) = (along(view.edge_u), along(view.edge_v));
-    let inside = |c: f32| c >= 0.0 && c < view.resolution as f32;
-    (inside(x) && inside(y)).then(|| ((y as u32 * view.resolution + x as u32) as usize, out.length()))
+    let at = view.seen_at(position)?;
+    let inside = at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::splat(view.resolution as f32)).all();
+    let pixel = || at.y as usize * view.resolution as usize + at.x as usize;
+    inside.then(|| (pixel(), (position - view.eye).length()))
 }

@@ -13,11 +13,15 @@
 //! thesis has them, points are shown by themselves ([`pass`]). Points of many samples are many times the same
 //! surface: a layered image ([`layered`]) keeps each once.
 //!
-//! Limits. Images stand for views of depth 1, mirrors in them are drawn from the geometry. They hold while nothing
-//! moves: until they are taken anew mirrors are shown from the geometry. Points are treated as small squares that face
-//! their sample, so surfaces that run away from it are thinner than they should be and show cracks from elsewhere.
+//! Something that moves costs the rays that meet it ([`follow`]): images are kept through a drag.
+//!
+//! Limits. Images stand for views of depth 1, mirrors in them are drawn from the geometry. While a large reflector
+//! itself moves mirrors are shown from the geometry, until its images are taken anew. Points are treated as small
+//! squares that face their sample, so surfaces that run away from it are thinner than they should be and show cracks
+//! from elsewhere.
 
 pub mod elements;
+pub mod follow;
 pub mod gpu;
 pub mod inspect;
 pub mod layered;

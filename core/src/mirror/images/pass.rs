@@ -49,9 +49,14 @@ pub struct MirrorPicture {
 }
 
 impl MirrorPicture {
-    /// Share of the mirrors' pixels that are holes.
+    /// Pixels that are holes.
+    pub fn holes(&self) -> usize {
+        self.hole.iter().filter(|h| **h).count()
+    }
+
+    /// Their share of the mirrors' pixels.
     pub fn hole_share(&self) -> f64 {
-        self.hole.iter().filter(|h| **h).count() as f64 / self.mirrored.max(1) as f64
+        self.holes() as f64 / self.mirrored.max(1) as f64
     }
 }
 

@@ -6,7 +6,7 @@ use crate::scene::{
     geometry::{Surface, offset_origin},
     world::World,
 };
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Radiance that a surface sends towards a direction, cd/m²; it must not depend on the direction.
@@ -17,6 +17,22 @@ pub const NOTHING: u32 = u32::MAX;
 
 /// Sizes of the scene that a point which is nothing lies away: its direction is what matters.
 const FAR: f32 = 1e4;
+
+/// What pictures are taken of.
+pub struct Surroundings<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// Distance of points that are nothing, m.
+    pub far_m: f32,
+}
+
+impl<'a> Surroundings<'a> {
+    /// A scene.
+    pub fn new(world: &'a World) -> Self {
+        let (low, high) = world.geometry.bounds();
+        Self { world, far_m: FAR * (high - low).length() }
+    }
+}
 
 /// A picture taken through a reflector element from behind it; its pixels are numbered in Z-order.
 ///
@@ -62,7 +78,12 @@ impl ImageWithDepth {
     ///
     /// # Panics
     /// If the resolution is not a power of two.
-    pub fn new(world: &World, eye: Vec3, [corner, edge_u, edge_v]: [Vec3; 3], resolution: u32) -> Self {
+    pub fn new(
+        around: &Surroundings,
+        eye: Vec3,
+        [corner, edge_u, edge_v]: [Vec3; 3],
+        resolution: u32,
+    ) -> Self {
         assert!(resolution.is_power_of_two(), "{resolution} pixels across are no power of two");
         let mut image = Self {
             eye,
@@ -75,35 +96,42 @@ impl ImageWithDepth {
             colour: Vec::new(),
             tree: Quadtree::default(),
         };
-        // Away from the eye, off the reflector itself.
-        let mut normal = edge_u.cross(edge_v).normalize_or_zero();
-        if normal.dot(corner - eye) < 0.0 {
-            normal = -normal;
-        }
-        let (low, high) = world.geometry.bounds();
-        let far = FAR * (high - low).length();
-        let seen: Vec<(f32, u32)> = (0..resolution * resolution)
-            .into_par_iter()
-            .map(|pixel| {
-                let out = image.out(pixel);
-                let length = out.length();
-                let direction = out / length;
-                let origin = offset_origin(eye + out, normal);
-                let nothing = (far / length, NOTHING);
-                world.accel.trace(&Ray::new(origin, direction)).map_or(nothing, |hit| {
-                    let at = world.geometry.surface(hit.triangle, hit.barycentric, direction).position;
-                    ((at - eye).length() / length, hit.triangle)
-                })
-            })
-            .collect();
+        let pixels = (0..resolution * resolution).into_par_iter();
+        let seen: Vec<(f32, u32)> = pixels.map(|pixel| image.see(around, pixel)).collect();
         image.scale = seen.iter().map(|s| s.0).collect();
         image.triangle = seen.iter().map(|s| s.1).collect();
         image.tree = Quadtree::new(&image);
         image
     }
 
+    /// What a pixel sees: the distance over that of the element, and the triangle.
+    pub(super) fn see(&self, around: &Surroundings, pixel: u32) -> (f32, u32) {
+        let Surroundings { world, far_m } = around;
+        let out = self.out(pixel);
+        let length = out.length();
+        let direction = out / length;
+        // Away from the eye, off the reflector itself.
+        let normal = self.edge_u.cross(self.edge_v).normalize_or_zero();
+        let away = if normal.dot(self.corner - self.eye) < 0.0 { -normal } else { normal };
+        let origin = offset_origin(self.eye + out, away);
+        world.accel.trace(&Ray::new(origin, direction)).map_or((far_m / length, NOTHING), |hit| {
+            let at = world.geometry.surface(hit.triangle, hit.barycentric, direction).position;
+            ((at - self.eye).length() / length, hit.triangle)
+        })
+    }
+
+    /// Column and row, from the element's corner, at which a place is seen; `None` beside the eye and behind it.
+    pub(super) fn seen_at(&self, position: Vec3) -> Option<Vec2> {
+        let normal = self.edge_u.cross(self.edge_v);
+        let out = position - self.eye;
+        let scale = normal.dot(self.corner - self.eye) / normal.dot(out);
+        let at = self.eye + out * scale - self.corner;
+        let along = |edge: Vec3| at.dot(edge) / edge.length_squared() * self.resolution as f32;
+        (scale.is_finite() && scale > 0.0).then(|| Vec2::new(along(self.edge_u), along(self.edge_v)))
+    }
+
     /// From the centre of projection to where the ray through a pixel crosses the element, m.
-    fn out(&self, pixel: u32) -> Vec3 {
+    pub(super) fn out(&self, pixel: u32) -> Vec3 {
         let at = (place(pixel).as_vec2() + 0.5) / self.resolution as f32;
         self.corner + self.edge_u * at.x + self.edge_v * at.y - self.eye
     }

@@ -2,7 +2,7 @@
 
 use super::{
     elements::{Elements, LEAST_RESOLUTION, SampleSettings, extent},
-    sample::{ImageWithDepth, Radiance},
+    sample::{ImageWithDepth, Radiance, Surroundings},
 };
 use crate::{
     math::progress::{Cancelled, Progress},
@@ -10,6 +10,7 @@ use crate::{
     scene::{geometry::Geometry, world::World},
 };
 use glam::{Affine3A, Vec2, Vec3};
+use std::sync::Arc;
 
 /// Points that images chosen by themselves have together, at most: 96 MB of them.
 const MOST_POINTS: u64 = 12_000_000;
@@ -55,21 +56,27 @@ pub struct ReflectorImages {
     pub back: bool,
     /// How it was sampled.
     pub settings: SampleSettings,
-    /// Pictures of each element: the one that looks straight first.
-    pub elements: Vec<Vec<ImageWithDepth>>,
+    /// Pictures of each element: the one that looks straight first. Those that a move leaves as they are stay shared.
+    pub elements: Vec<Vec<Arc<ImageWithDepth>>>,
 }
 
 impl ReflectorImages {
     /// Samples one side of a reflector.
-    pub fn new(world: &World, reflector: &Reflector, back: bool, settings: &SampleSettings) -> Self {
-        let elements = Elements::new(&world.geometry, reflector, side(reflector, back), settings.element_m);
-        let elements = elements.sample(world, settings);
-        Self { triangle: reflector.triangles[0], back, settings: *settings, elements }
+    pub(super) fn new(around: &Surroundings, Side { reflector, back, settings }: &Side) -> Self {
+        let geometry = &around.world.geometry;
+        let elements = Elements::new(geometry, reflector, side(reflector, *back), settings.element_m);
+        let elements = elements.sample(around, settings);
+        Self { triangle: reflector.triangles[0], back: *back, settings: *settings, elements }
+    }
+
+    /// Whether they show a side, sampled so.
+    pub(super) fn are_of(&self, side: &Side) -> bool {
+        (self.triangle, self.back, self.settings) == (side.reflector.triangles[0], side.back, side.settings)
     }
 
     /// Its pictures.
     pub fn images(&self) -> impl Iterator<Item = &ImageWithDepth> {
-        self.elements.iter().flatten()
+        self.elements.iter().flatten().map(|image| &**image)
     }
 
     /// A picture by its number, counted over all elements.
@@ -80,7 +87,13 @@ impl ReflectorImages {
 
     /// Reads all colours from a solution of the same geometry.
     pub fn recolour(&mut self, world: &World, radiance: &Radiance) {
-        self.elements.iter_mut().flatten().for_each(|image| image.recolour(world, radiance));
+        let images = self.elements.iter_mut().flatten();
+        images.for_each(|image| Arc::make_mut(image).recolour(world, radiance));
+    }
+
+    /// Points of its pictures.
+    pub fn points(&self) -> u64 {
+        self.images().map(|image| image.triangle.len() as u64).sum()
     }
 
     /// Bytes of its pictures.
@@ -98,8 +111,14 @@ fn side(reflector: &Reflector, back: bool) -> Vec3 {
 pub struct MirrorImages {
     /// Those of one side of a reflector each, the largest first.
     pub sets: Vec<ReflectorImages>,
+    /// Rays that were traced to make them of what there was before: of nothing, one a point.
+    pub rays: u64,
+    /// How every reflector was to be sampled; `None` for each as its size asks.
+    pub(super) asked: Option<SampleSettings>,
     /// Where the objects stood.
-    placed: Vec<Affine3A>,
+    pub(super) placed: Vec<Affine3A>,
+    /// Distance of points that are nothing, m.
+    pub(super) far_m: f32,
 }
 
 impl MirrorImages {
@@ -108,12 +127,12 @@ impl MirrorImages {
     /// # Errors
     /// [`Cancelled`].
     pub fn automatic(world: &World, progress: &Progress) -> Result<Self, Cancelled> {
-        Self::sample(world, &sides_as_asked(&world.geometry), progress)
+        Self::sample(world, None, progress)
     }
 
     /// Points of [`Self::automatic`], about: a ray each.
     pub fn automatic_points(geometry: &Geometry) -> u64 {
-        sides_as_asked(geometry).iter().map(|side| side.points(geometry)).sum()
+        sides(geometry, None).iter().map(|side| side.points(geometry)).sum()
     }
 
     /// Samples every reflector with the same settings.
@@ -125,7 +144,7 @@ impl MirrorImages {
         if !resolution.is_power_of_two() || !(LEAST_RESOLUTION..=1024).contains(&resolution) {
             return Err(ImagesError::Resolution(resolution));
         }
-        let sides = sides(&world.geometry, |_, _| *settings);
+        let sides = sides(&world.geometry, Some(settings));
         // By their boxes first: so many elements could not even be listed.
         let images: u64 =
             sides.iter().map(|s| s.most_elements(&world.geometry) * u64::from(settings.poses)).sum();
@@ -134,18 +153,16 @@ impl MirrorImages {
         if gigabytes > most_gigabytes {
             return Err(ImagesError::TooLarge { images, resolution, gigabytes, most_gigabytes });
         }
-        Ok(Self::sample(world, &sides, progress)?)
+        Ok(Self::sample(world, Some(settings), progress)?)
     }
 
-    fn sample(world: &World, sides: &[Side], progress: &Progress) -> Result<Self, Cancelled> {
-        progress.begin("mirror images");
-        let mut sets = Vec::new();
-        for (i, side) in sides.iter().enumerate() {
-            progress.report(i as f32 / sides.len() as f32)?;
-            sets.push(ReflectorImages::new(world, &side.reflector, side.back, &side.settings));
-        }
-        progress.report(1.0)?;
-        Ok(Self { sets, placed: world.geometry.world_from_object.clone() })
+    fn sample(
+        world: &World,
+        settings: Option<&SampleSettings>,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let nothing = Self { asked: settings.copied(), ..Self::default() };
+        Ok(nothing.followed(world, u64::MAX, progress)?.unwrap_or_default())
     }
 
     /// Whether everything stands where it stood when they were taken.
@@ -164,6 +181,11 @@ impl MirrorImages {
         self.sets.iter_mut().for_each(|set| set.recolour(world, radiance));
     }
 
+    /// Their points.
+    pub fn points(&self) -> u64 {
+        self.sets.iter().map(ReflectorImages::points).sum()
+    }
+
     /// Bytes of all pictures.
     pub fn bytes(&self) -> usize {
         self.sets.iter().map(ReflectorImages::bytes).sum()
@@ -171,13 +193,18 @@ impl MirrorImages {
 }
 
 /// A side of a reflector that reflects, and how it is sampled.
-struct Side {
-    reflector: Reflector,
-    back: bool,
-    settings: SampleSettings,
+pub(super) struct Side {
+    pub reflector: Reflector,
+    pub back: bool,
+    pub settings: SampleSettings,
 }
 
-fn sides(geometry: &Geometry, settings: impl Fn(&Reflector, Vec3) -> SampleSettings) -> Vec<Side> {
+/// All sides, sampled as said or as their sizes ask.
+pub(super) fn sides(geometry: &Geometry, asked: Option<&SampleSettings>) -> Vec<Side> {
+    asked.map_or_else(|| sides_as_asked(geometry), |&settings| sides_with(geometry, |_, _| settings))
+}
+
+fn sides_with(geometry: &Geometry, settings: impl Fn(&Reflector, Vec3) -> SampleSettings) -> Vec<Side> {
     let mut sides = Vec::new();
     for reflector in Reflectors::new(geometry).list {
         for back in [false, true].into_iter().take(1 + usize::from(reflector.double_sided)) {
@@ -190,7 +217,7 @@ fn sides(geometry: &Geometry, settings: impl Fn(&Reflector, Vec3) -> SampleSetti
 
 /// All sides with settings for their sizes, coarser where the points would be too many.
 fn sides_as_asked(geometry: &Geometry) -> Vec<Side> {
-    let mut sides = sides(geometry, |reflector, normal| {
+    let mut sides = sides_with(geometry, |reflector, normal| {
         let (_, [low, high]) = extent(geometry, reflector, normal);
         SampleSettings::for_extent(high - low)
     });
@@ -212,7 +239,7 @@ impl Side {
     }
 
     /// Points of its images, at most.
-    fn points(&self, geometry: &Geometry) -> u64 {
+    pub(super) fn points(&self, geometry: &Geometry) -> u64 {
         let SampleSettings { poses, resolution, .. } = self.settings;
         self.most_elements(geometry) * u64::from(poses) * u64::from(resolution).pow(2)
     }
