@@ -7,7 +7,7 @@ use lumenscope_core::{
     gpu::{Stage, StageClock},
     math::progress::Progress,
     mirror::{MirrorMethod, images::MirrorImages},
-    scene::world::World,
+    scene::{material::Material, world::World},
 };
 use lumenscope_tests::cornell;
 
@@ -242,6 +242,73 @@ fn images_that_follow_what_moves_are_sent_where_they_changed() {
     other.upload(&moved);
     other.frame(&settings);
     assert!(other.layers() == layers);
+}
+
+/// The box of Cornell's kind with a mirror on its left, in front of it a ball of chrome where it is asked for.
+fn left_mirror(ball: bool, change: impl FnOnce(&mut Scene)) -> LightTransportSolution {
+    let mut scene = cornell();
+    let red = scene.materials.iter_mut().find(|m| m.name == "red").unwrap();
+    (red.metallic, red.roughness, red.double_sided) = (1.0, 0.0, false);
+    if ball {
+        let chrome = Material { metallic: 1.0, roughness: 0.0, ..Material::default() };
+        let mesh = lumenscope_tests::ball(Vec3::new(-0.6, 0.8, 0.4), 0.2, [16, 24]);
+        lumenscope_tests::add(&mut scene, "ball", mesh, chrome);
+    }
+    change(&mut scene);
+    lumenscope_tests::solved(scene, 0.3)
+}
+
+#[test]
+fn reflectors_out_of_sight_or_facing_away_record_nothing() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    let camera = |eye: [f32; 3], target: [f32; 3]| Camera {
+        eye: Vec3::from(eye),
+        target: Vec3::from(target),
+        ..Camera::default()
+    };
+    let sees = camera([0.6, 1.3, 0.8], [-0.8, 0.4, -0.5]);
+    let turned = camera([-0.3, 1.0, 0.1], [0.9, 0.7, -0.2]);
+    let behind = camera([-1.9, 1.1, 0.2], [0.5, 0.8, -0.1]);
+    let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
+    // Passes and layers, the latter held to the specification.
+    let frame = |gpu: &mut Gpu, solution: &LightTransportSolution, camera: Camera| {
+        gpu.frame(&frame_settings(camera, DirectQuality::Elements));
+        let (buffer, layers) = render(solution, &camera, SIZE[0], SIZE[1], &settings);
+        let found = gpu.layers();
+        let which = [Layer::Mirror, Layer::Glossy];
+        compare_layers("in sight or not", &which, (&gpu.triangles(), &found), (&buffer, &layers));
+        (gpu.renderer.mirror_passes(), found)
+    };
+    let solution = left_mirror(false, |_| ());
+    gpu.upload(&solution);
+    let first = frame(&mut gpu, &solution, sees);
+    assert!(first.0 >= 4 && first.1.get(Layer::Mirror).mean() != Vec3::ZERO, "{} passes", first.0);
+    for camera in [turned, behind, turned] {
+        let (passes, layers) = frame(&mut gpu, &solution, camera);
+        assert_eq!((passes, layers.get(Layer::Mirror).mean()), (0, Vec3::ZERO));
+    }
+    assert!(frame(&mut gpu, &solution, sees) == first, "what was left out is there again");
+    assert_eq!(frame(&mut gpu, &solution, turned).0, 0);
+
+    // Without views there is what reflects as if dull, where it is in sight.
+    let flat = left_mirror(false, |scene| scene.plan.mirror_depth = Some(0));
+    gpu.upload(&flat);
+    assert_eq!([sees, turned, behind].map(|camera| frame(&mut gpu, &flat, camera).0), [2, 0, 0]);
+    // A ball has no view, and one in the mirror costs no pass of its own.
+    let bent = left_mirror(true, |_| ());
+    gpu.upload(&bent);
+    let ball_alone = camera([-0.6, 0.9, -0.4], [-0.6, 0.8, 0.4]);
+    let passes = [sees, turned, ball_alone].map(|camera| frame(&mut gpu, &bent, camera).0);
+    assert_eq!(passes[1], 0);
+    assert!(passes[0] >= first.0 && passes[2] > 0, "{passes:?}");
+    // Images-with-depth are not chosen for what is out of sight.
+    let solution = left_mirror(false, |scene| scene.plan.mirrors = Some(MirrorMethod::Images));
+    let images = MirrorImages::automatic(&solution.world, &Progress::silent()).unwrap();
+    let by_images = LightTransportSolution { mirror_images: Some(Arc::new(images)), ..solution };
+    gpu.upload(&by_images);
+    let passes = [sees, turned, behind].map(|camera| frame(&mut gpu, &by_images, camera).0);
+    assert!(passes[0] > 0 && passes[1..] == [0, 0], "{passes:?}");
 }
 
 #[test]

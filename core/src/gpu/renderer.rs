@@ -285,6 +285,12 @@ impl GpuRenderer {
         if self.scene.specular() { drawn } else { 0 }
     }
 
+    /// Passes that the last frame recorded for what is polished: none where it shows nothing that reflects.
+    pub fn mirror_passes(&self) -> usize {
+        let recorded = self.mirror.as_ref().map_or(0, MirrorPasses::passes);
+        if self.scene.specular() { recorded } else { 0 }
+    }
+
     /// Whether there are passes for what is polished, with all they need.
     pub fn has_mirror_passes(&self) -> bool {
         self.mirror.is_some()

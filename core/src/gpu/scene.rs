@@ -17,7 +17,9 @@ use crate::{
     },
     mirror::{
         culling::{Blocks, Portal},
+        in_sight::{Bent, without_view},
         reflectors::Reflectors,
+        views::{Eye, MirroredView, Rectangle},
     },
     radiosity::lookup::SideMap,
     scene::{geometry::Geometry, material::Material},
@@ -72,6 +74,7 @@ pub(crate) struct SceneTables {
     storage: [Storage; 15],
     last: Option<LightTransportSolution>,
     reflectors: Reflectors,
+    bent: Bent,
     lobes: Lobes,
     blocks: Blocks,
     indices: wgpu::Buffer,
@@ -114,6 +117,7 @@ impl SceneTables {
             surface_group,
             lobes: Lobes::default(),
             reflectors: Reflectors::default(),
+            bent: Bent::default(),
             blocks: Blocks::default(),
             indices: index_buffer(device, &[]),
             particles: Storage::new(device, "particles"),
@@ -174,6 +178,15 @@ impl SceneTables {
     /// Its flat reflectors.
     pub(crate) fn reflectors(&self) -> &Reflectors {
         &self.reflectors
+    }
+
+    /// Whether a picture may show something polished that none of its views stands for.
+    pub(crate) fn shows_without_view(&self, views: &[MirroredView], eye: &Eye, size: [u32; 2]) -> bool {
+        let portal = Portal::new(eye, Rectangle::ALL, Portal::margin(size));
+        self.last.as_ref().is_some_and(|solution| {
+            let scene = (&solution.world.geometry, &self.reflectors, &self.bent);
+            without_view(scene, views, (eye.position, &portal))
+        })
     }
 
     /// Lobes of the glossy ones.
@@ -281,6 +294,7 @@ impl SceneTables {
             self.surface_group = group(device, &self.surface_layout, &self.storage[..SURFACE_TABLES]);
         }
         self.lobes = lobes(world, &reflectors, &self.lobes);
+        self.bent = Bent::new(geometry, &reflectors);
         self.reflectors = reflectors;
         // Held so that what its pointers name cannot be freed and reused.
         self.last = Some(solution.clone());

@@ -55,7 +55,9 @@ impl Targets {
             layers: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("layers"),
                 size: pixel_bytes(specular) * pixels(size),
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_SRC
+                    | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
         }
@@ -75,6 +77,11 @@ impl Targets {
     /// Bytes of the layers.
     pub(crate) fn layer_bytes(&self) -> u64 {
         12 * u64::from(self.layer_count) * pixels(self.size)
+    }
+
+    /// Bytes of the two layers of what is specular, after those of what is diffuse.
+    pub(crate) fn specular_layers(&self) -> std::ops::Range<u64> {
+        36 * pixels(self.size)..self.layer_bytes()
     }
 
     /// Whether they have room for what is specular.

@@ -5,7 +5,7 @@
 //! pipeline polygons that you cannot finally see"). A block is left out only where its whole box lies
 //! outside one of those planes, so no pixel changes; a test says so.
 
-use super::views::{Eye, MirroredView, Rectangle};
+use super::views::{Eye, MirroredView, Rectangle, above};
 use crate::scene::geometry::Geometry;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -125,6 +125,16 @@ impl Portal {
         let mut portal = Self::new(&view.eye, view.rectangle, margin);
         portal.planes.push((view.clip_normal, view.clip_offset));
         portal
+    }
+
+    /// The part of a convex polygon that lies inside; empty where none does.
+    pub fn cut(&self, mut polygon: Vec<Vec3>) -> Vec<Vec3> {
+        for &(normal, offset) in &self.planes {
+            if polygon.iter().any(|&p| normal.dot(p) < offset) {
+                polygon = above(&polygon, normal, offset);
+            }
+        }
+        polygon
     }
 
     /// Whether a box may reach inside; false only where it lies outside one plane.

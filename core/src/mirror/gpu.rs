@@ -52,6 +52,9 @@ pub struct MirrorPasses {
     /// Passes of images-with-depth, made when mirrors are first shown from them.
     images: Option<ImagePasses>,
     views_drawn: usize,
+    passes: usize,
+    /// Whether the layers of what is specular are known to be black.
+    black: bool,
 }
 
 /// What depends on the size of the picture.
@@ -125,6 +128,8 @@ impl MirrorPasses {
             particles: None,
             images: None,
             views_drawn: 0,
+            passes: 0,
+            black: false,
         }
     }
 
@@ -138,6 +143,7 @@ impl MirrorPasses {
     ) {
         let layouts = [&self.raster_layout, &self.follow_layout];
         self.canvas = Canvas::new((device, queue), layouts, [frame, &self.views], targets);
+        self.black = false;
         if let Some(glossy) = &mut self.glossy {
             glossy.bind(device, queue, frame, targets);
         }
@@ -148,7 +154,12 @@ impl MirrorPasses {
         self.views_drawn
     }
 
-    /// Records the passes of one frame, after those of the picture.
+    /// Passes that the last frame recorded, what is convolved counted as one.
+    pub fn passes(&self) -> usize {
+        self.passes
+    }
+
+    /// Records the passes of one frame, after those of the picture; none where it shows nothing that reflects.
     pub(crate) fn record(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -163,8 +174,17 @@ impl MirrorPasses {
         let eye = Eye::new(&settings.camera, width as f32 / height as f32);
         let plan = MirrorSettings::of(&solution.scene.plan);
         let views = views_of(solution, scene.reflectors(), eye);
-        self.views_drawn = views.len();
-        let runs = plan.images.and_then(|_| {
+        (self.views_drawn, self.passes) = (views.len(), 0);
+        let (reflected, dull) = (!views.is_empty(), scene.shows_without_view(&views, &eye, targets.size));
+        if !reflected && !dull {
+            if !std::mem::replace(&mut self.black, true) {
+                let layers = targets.specular_layers();
+                encoder.clear_buffer(&targets.layers, layers.start, Some(layers.end - layers.start));
+            }
+            return;
+        }
+        self.black = false;
+        let runs = plan.images.filter(|_| reflected).and_then(|_| {
             let images = self.images.get_or_insert_with(|| ImagePasses::new(device));
             images.choose((device, queue), solution, scene, &views, targets.size)
         });
@@ -185,6 +205,7 @@ impl MirrorPasses {
         let (across, down) = (width.div_ceil(RUN * 8), height.div_ceil(8));
         let groups = [&scene.group, &self.canvas.picture_group];
         compute(encoder, &self.begin, groups, |pass| pass.dispatch_workgroups(across, down, 1));
+        self.passes += 1;
         mark(clock, encoder, Stage::MirroredShading);
         let follow = match settings.direct {
             DirectQuality::PerPixel(_) => &self.follow_per_pixel,
@@ -200,6 +221,7 @@ impl MirrorPasses {
             self.canvas.work.clear_list(encoder, List::Depth(depth + 1));
             let group = &self.canvas.mirrored_groups[list.number() as usize];
             self.work_off(encoder, follow, [&scene.group, group], list);
+            self.passes += 2;
             mark(clock, encoder, Stage::MirroredShading);
         }
         let method = solution.glossy_of_image();
@@ -215,18 +237,27 @@ impl MirrorPasses {
             if let Some(rectangle) = rectangles.into_iter().reduce(Rectangle::around) {
                 let rectangle = pixels(rectangle, targets.size);
                 glossy.record(queue, encoder, scene, method, &reflectors, rectangle);
+                self.passes += 1;
             }
             mark(clock, encoder, Stage::Convolution);
         } else if scene.lobes().is_empty() || method == GlossyMethod::Sharp {
             self.glossy = None;
         }
-        self.work_off(encoder, &self.reflect, groups, List::Depth(1));
-        let reflect_wide = &self.reflect_wide[usize::from(scene.is_general())];
-        self.work_off(encoder, reflect_wide, groups, List::WithoutView);
+        if reflected {
+            self.work_off(encoder, &self.reflect, groups, List::Depth(1));
+            self.passes += 1;
+        }
+        // What no image-with-depth has seen has no view either.
+        if dull || runs.is_some() {
+            let reflect_wide = &self.reflect_wide[usize::from(scene.is_general())];
+            self.work_off(encoder, reflect_wide, groups, List::WithoutView);
+            self.passes += 1;
+        }
         mark(clock, encoder, Stage::Modulation);
         if by_particles {
             let pass = self.particles.get_or_insert_with(|| ParticlePass::new(device, scene));
             pass.record(device, encoder, scene, (frame, targets));
+            self.passes += 1;
             mark(clock, encoder, Stage::Convolution);
         } else {
             self.particles = None;

@@ -24,6 +24,7 @@ use crate::scene::file::PlanOverrides;
 pub mod culling;
 pub mod gpu;
 pub mod images;
+pub mod in_sight;
 pub mod inspect;
 pub mod pass;
 pub mod reflectors;

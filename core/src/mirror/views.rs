@@ -6,6 +6,7 @@
 
 use super::{
     MOST_VIEWS,
+    culling::Portal,
     reflectors::{BLURRED_ALPHA, Reflector, Reflectors},
 };
 use crate::scene::{camera::Camera, geometry::Geometry};
@@ -162,7 +163,7 @@ fn seen_in(
         .filter(|(i, r)| seen_from.is_none_or(|v| v.reflector != *i as u32 && is_sharp(r)))
         .filter_map(|(i, reflector)| {
             let clip_normal = reflector.facing(eye.position)?;
-            let covered = covered(geometry, reflector, &eye, clip, near)?;
+            let covered = covered(geometry, reflector, (&eye, rectangle), clip, near)?;
             let side = clip_normal.dot(reflector.normal);
             Some(MirroredView {
                 reflector: i as u32,
@@ -171,28 +172,29 @@ fn seen_in(
                 eye: eye.mirrored(reflector),
                 clip_normal,
                 clip_offset: side * reflector.offset,
-                rectangle: covered.within(rectangle)?,
+                rectangle: covered,
             })
         })
         .collect()
 }
 
-/// Part of the picture that a reflector covers, as a rectangle; `None` where it is out of sight.
+/// Part of a rectangle of the picture that a reflector covers, as a rectangle; `None` where it is out of sight.
 fn covered(
     geometry: &Geometry,
     reflector: &Reflector,
-    eye: &Eye,
+    (eye, within): (&Eye, Rectangle),
     clip: Option<(Vec3, f32)>,
     near: f32,
 ) -> Option<Rectangle> {
     let mut bounds: Option<Rectangle> = None;
+    let portal = Portal::new(eye, within, Vec2::ZERO);
     for &t in &reflector.triangles {
         let mut polygon = geometry.positions[t as usize].to_vec();
         if let Some((normal, offset)) = clip {
             polygon = above(&polygon, normal, offset);
         }
         polygon = above(&polygon, eye.forward, eye.forward.dot(eye.position) + near);
-        for corner in polygon {
+        for corner in portal.cut(polygon) {
             let away = corner - eye.position;
             let z = away.dot(eye.forward).max(near);
             let at = Vec2::new(away.dot(eye.right), away.dot(eye.up)) / (z * eye.half_size);
@@ -200,7 +202,7 @@ fn covered(
             bounds = Some(Rectangle { low: so_far.low.min(at), high: so_far.high.max(at) });
         }
     }
-    bounds?.within(Rectangle::ALL)
+    bounds?.within(within)
 }
 
 /// The part of a convex polygon with n·x ≥ offset.
