@@ -24,7 +24,14 @@ fn mirrors_are_shown_from_images_and_judged_by_how_many() {
     assert!(cell("3,box", 2) > cell("1,box", 2) && cell("3,box", 5) <= cell("1,box", 5), "{table}");
     // Light read where the pixel's ray meets a point's triangle is nearer than the point's own.
     assert!(cell("3,ids", 3) < cell("3,box", 3), "{table}");
-    assert!(out.join("3_ids.png").exists() && out.join("geometry.png").exists());
+    assert!(out.join("geometry.png").exists());
+    // Holes are as many as they are shown, in magenta.
+    for name in ["1_box", "1_ids", "3_ids", "layered_box"] {
+        let picture = image::open(out.join(format!("{name}.png"))).unwrap().to_rgb8();
+        let magenta = picture.pixels().filter(|p| p.0 == [255, 0, 255]).count();
+        assert_eq!(magenta as f64, cell(&name.replace('_', ","), 7), "{name}: {table}");
+    }
+    assert!(cell("1,ids", 7) > 0.0, "{table}");
     let error = run(&["images", &pyramid, "--out", text(&out), "--resolution", "100"]).unwrap_err();
     assert!(error.contains("100") && error.contains("power of two") && error.lines().count() == 1, "{error}");
     let fine = ["--element", "0.01", "--resolution", "1024"];

@@ -3,6 +3,7 @@
 mod brdf;
 mod culling;
 mod glass;
+mod image_holes;
 mod image_moves;
 mod image_pictures;
 mod image_splats;

@@ -126,7 +126,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         "images", "splat", "points", "relMSE", "FLIP", "holes %", "ms"
     );
     let mut table = Table { options, of_pixels: &frame.of_pixels, exact: &exact, text: String::new() };
-    table.text.push_str("images,splat,points,rel_mse,flip,holes_percent,milliseconds\n");
+    table.text.push_str("images,splat,points,rel_mse,flip,holes_percent,milliseconds,holes\n");
     let selection = if options.by_distance { Selection::Distance } else { Selection::Angle };
     let timed = |show: &dyn Fn() -> MirrorPicture| {
         let began = Instant::now();
@@ -213,7 +213,8 @@ impl Table<'_> {
             "{name:<9}{:<10}{:>10}{rel_mse:>10.4}{flip:>10.4}{holes:>9.2}{ms:>9.1}",
             splat, shown.points
         );
-        let _ = writeln!(self.text, "{name},{},{},{rel_mse},{flip},{holes},{ms}", splat, shown.points);
+        let counts = (shown.points, shown.holes());
+        let _ = writeln!(self.text, "{name},{splat},{},{rel_mse},{flip},{holes},{ms},{}", counts.0, counts.1);
         self.picture(&format!("{name}_{splat}"), &shown)
     }
 
