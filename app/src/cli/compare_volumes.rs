@@ -5,7 +5,7 @@ use super::{
     solve,
 };
 use lumenscope_core::{
-    inspection::{ColouredMesh, Curve, InspectionScene},
+    inspection::{ColouredMesh, Curve, InspectionScene, colours::ColourSettings},
     irradiance_volume::{
         IrradianceVolume,
         difference::Difference,
@@ -78,7 +78,8 @@ fn maps(difference: &Difference) -> Page {
     ];
     let bright = most(&rows[0]).max(most(&rows[1]));
     let apart = most(&rows[2]);
-    let light = FalseColour::over([0.0, bright], Palette::Viridis);
+    let mut light = rows[0][0].colours(&ColourSettings::default());
+    light.high = bright;
     let signed = FalseColour::over([-apart, apart], Palette::Viridis);
     let scale = LONGER / (high - low).max_element();
     let size =
@@ -87,7 +88,11 @@ fn maps(difference: &Difference) -> Page {
     let height = (0..3).map(|axis| size(axis)[1]).max().unwrap_or(0);
     let mut page = Page::new(width, 3 * (HEAD + height + MARGIN) + MARGIN);
     let titles = [
-        format!("A, mean over directions: 0 to {bright:.3} lx"),
+        format!(
+            "A, mean over directions: {:.3} to {bright:.3} lx, {} scale",
+            light.low,
+            if light.logarithmic { "logarithmic" } else { "linear" }
+        ),
         String::from("B, the same"),
         format!("A − B: blue {:.3} to red {apart:.3} lx", -apart),
     ];

@@ -95,7 +95,11 @@ pub fn show(
         });
     } else {
         // A tall tab leaves less for the balls above it.
-        let largest = if matches!(memory.tab, Tab::Lobe | Tab::Resolutions) { 96.0 } else { 190.0 };
+        let largest = if matches!(memory.tab, Tab::Lobe | Tab::Resolutions | Tab::Moments | Tab::Volumes) {
+            96.0
+        } else {
+            190.0
+        };
         let size = (0.5 * (room - 12.0)).clamp(90.0, largest);
         balls(ui, &mut memory, &shown, size);
         ui.separator();
