@@ -109,8 +109,11 @@ fn a_volume_is_built_and_asked_as_wished() {
     assert!(out.join("weights.png").exists());
 
     let office = scene("cornell/cornell.ron");
-    let size = ["--size", "24x16", "--frames", "1", "--moment", "10"];
+    let size = ["--size", "24x16", "--frames", "1", "--moment", "10", "--detail", "pixels"];
     run(&[&["render", &office, "--out", text(&out)][..], &size].concat()).unwrap();
+    let report = fs::read_to_string(out.join("report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["backend"], "cpu", "only the processor asks at pixels");
 }
 
 #[test]

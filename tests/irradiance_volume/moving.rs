@@ -298,6 +298,8 @@ fn at_pixels_a_moved_thing_is_lit_by_a_query_at_each_point() {
     }
     assert_eq!(solution.with_detail(Some(Detail::Coarse)).detail, Detail::Coarse);
     assert_eq!(solution.with_detail(None).detail, Detail::Pixels);
+    // The processor makes such a picture; one of nodes a graphics device may make.
+    assert!(solution.is_asked_at_pixels() && !solution.with_detail(Some(Detail::Fine)).is_asked_at_pixels());
 }
 
 #[test]

@@ -8,7 +8,10 @@ use lumenscope_core::{
     glossy::{GlossyMethod, environment::MOST_GLOSSY_DEPTH, particles::light},
     gpu,
     io::exr,
-    irradiance_volume::{dynamic_object::Gloss, moments::Order},
+    irradiance_volume::{
+        dynamic_object::{Detail, Gloss},
+        moments::Order,
+    },
     math::image::LinearImage,
     mirror::MirrorMethod,
     radiosity::lookup::Lookup,
@@ -47,6 +50,9 @@ pub struct Options {
     /// inf), towards the mirrored view vector above order 1.
     #[arg(long)]
     moment: Option<Order>,
+    /// How finely these objects ask it: coarse, vertices, fine, or pixels, by the processor.
+    #[arg(long, value_parser = parse_detail, default_value = "fine")]
+    detail: Detail,
     /// How light stored on surfaces is looked up between its nodes; as the plan has it by default.
     #[arg(long, value_enum)]
     lookup: Option<LookupName>,
@@ -161,7 +167,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     }
     let load_seconds = start.elapsed().as_secs_f64();
     let eye = loaded.scene.camera.eye;
-    let solution = solve::solve(&loaded, false)?.with_gloss(options.moment.map(|order| Gloss { order, eye }));
+    let gloss = options.moment.map(|order| Gloss { order, eye });
+    let solution = solve::solve(&loaded, false)?.with_gloss(gloss).with_detail(Some(options.detail));
     let (solution, terms) = match &options.paths {
         Some(paths) => of_paths(&solution, paths)?,
         None => (solution, [true; COUNT]),
@@ -222,7 +229,7 @@ pub fn picture(
     seed: u64,
 ) -> anyhow::Result<(Layers, String)> {
     let solution = &solution.reconstructed();
-    if backend != Backend::Cpu {
+    if backend == Backend::Gpu || (backend == Backend::Auto && !solution.is_asked_at_pixels()) {
         match gpu::offline::render(
             solution,
             &solution.scene.camera,
@@ -240,6 +247,12 @@ pub fn picture(
     let camera = &solution.scene.camera;
     let layers = solve::watched(|p| mean_of_frames(solution, camera, size, frames, &settings, p))?;
     Ok((layers, "cpu".into()))
+}
+
+/// A level of detail by its name.
+fn parse_detail(text: &str) -> Result<Detail, String> {
+    let found = Detail::ALL.into_iter().find(|d| d.name() == text);
+    found.ok_or_else(|| format!("`{text}` is not coarse, vertices, fine or pixels"))
 }
 
 /// The display a picture is written with: filmic, exposed by its log-average luminance.

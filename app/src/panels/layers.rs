@@ -210,7 +210,7 @@ fn detail(ui: &mut Ui, view: &mut View) {
     });
     named(list.response, "Level of detail").on_hover_text(
         "Where objects that have moved ask the irradiance volume. Coarse: at a few vertices. Vertices: at each. \
-         Fine: inside large triangles too. Pixels: at each pixel, where the processor makes the picture. \
+         Fine: inside large triangles too. Pixels: at each pixel of the picture, which the processor then makes. \
          Automatic: coarser while something moves",
     );
 }

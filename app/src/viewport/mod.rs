@@ -20,7 +20,6 @@ pub mod screen;
 mod shown;
 
 pub use pick::Pick;
-pub use picture::Backend;
 
 use crate::{
     command::Command,
@@ -104,11 +103,6 @@ impl Viewport {
     /// A viewport with nothing in it.
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Chooses who draws the picture.
-    pub fn set_backend(&mut self, backend: Backend) {
-        self.picture.backend = backend;
     }
 
     /// Shows the picture and answers to mouse and keys, filling the space that `ui` has.

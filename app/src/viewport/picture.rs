@@ -24,18 +24,6 @@ use std::sync::{
     mpsc::{Receiver, TryRecvError, channel},
 };
 
-/// Who draws the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Backend {
-    /// The graphics device, unless it is software: then the processor does it better by itself.
-    #[default]
-    Auto,
-    /// The processor.
-    Processor,
-    /// The graphics device, even a software one.
-    Device,
-}
-
 /// What is to be painted.
 pub struct Painted {
     /// The texture.
@@ -53,8 +41,6 @@ pub struct Painted {
 /// The picture in the viewport.
 #[derive(Default)]
 pub struct Picture {
-    /// Who draws it.
-    pub backend: Backend,
     cpu: CpuPicture,
     gpu: Option<GpuPicture>,
     gpu_failed: bool,
@@ -85,7 +71,8 @@ impl Picture {
             },
             ..Status::default()
         };
-        let state = state.filter(|_| !request.compare.is_comparison());
+        let by_processor = request.compare.is_comparison() || request.light.solution.is_asked_at_pixels();
+        let state = state.filter(|_| !by_processor);
         if let Some(state) = state
             && self.open(state)
             && let Some(gpu) = &mut self.gpu
@@ -115,13 +102,9 @@ impl Picture {
         Some(Painted { texture, aspect, status, compared: self.cpu.compared.clone(), settled })
     }
 
+    /// Opens the graphics device, unless it is software: then the processor does it better by itself.
     fn open(&mut self, state: &RenderState) -> bool {
-        let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        let wanted = match self.backend {
-            Backend::Auto => !software,
-            Backend::Processor => false,
-            Backend::Device => true,
-        };
+        let wanted = state.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
         if wanted && self.gpu.is_none() && !self.gpu_failed {
             match GpuPicture::new(state) {
                 Ok(gpu) => self.gpu = Some(gpu),

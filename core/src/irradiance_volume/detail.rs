@@ -16,8 +16,8 @@ pub enum Detail {
     /// At every node, so that large triangles show what happens inside them.
     #[default]
     Fine,
-    /// At every pixel of pictures made by the processor, as fine as the volume itself; at every node of those
-    /// that a graphics device makes, which has no volume to ask.
+    /// At every pixel, as fine as the volume itself, by the processor: a graphics device has no volume to ask, and
+    /// where it must make the picture it is given every node.
     Pixels,
 }
 

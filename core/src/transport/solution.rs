@@ -89,6 +89,13 @@ impl LightTransportSolution {
         Self { gloss: gloss.filter(held), ..self.clone() }
     }
 
+    /// Whether pictures ask the volume at their pixels, which a graphics device does not have: then the processor
+    /// makes them.
+    pub fn is_asked_at_pixels(&self) -> bool {
+        let asks = self.gloss.is_some() || !self.moved_objects.is_empty() || !self.guests.is_empty();
+        asks && self.detail == Detail::Pixels
+    }
+
     /// The same light with moved objects that ask the volume as finely as said; as finely as they do without.
     pub fn with_detail(&self, detail: Option<Detail>) -> Self {
         Self { detail: detail.unwrap_or(self.detail), ..self.clone() }
