@@ -12,7 +12,9 @@ pub enum Example {
     Cornell,
     /// A teapot on a glossy table.
     Teapot,
-    /// The same in chrome.
+    /// The same table with Phong's lobe.
+    Phong,
+    /// The same teapot in chrome.
     Chrome,
     /// A pyramid of copper on a mirror.
     Pyramid,
@@ -49,12 +51,13 @@ macro_rules! scene_files {
 
 impl Example {
     /// Examples to look at, in the order they are offered.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Office,
         Self::Cornell,
         Self::Quadtrees,
         Self::Ball,
         Self::Teapot,
+        Self::Phong,
         Self::Chrome,
         Self::Pyramid,
         Self::Glass,
@@ -83,6 +86,7 @@ impl Example {
             Self::Office => "Office",
             Self::Cornell => "Cornell box",
             Self::Teapot => "Teapot on a glossy table",
+            Self::Phong => "Teapot on a table of Phong's",
             Self::Chrome => "Chrome teapot",
             Self::Pyramid => "Copper pyramid",
             Self::Glass => "Things of glass",
@@ -106,6 +110,9 @@ impl Example {
             Self::Cornell => "Two blocks between a red and a green wall: colour bleeding at its plainest.",
             Self::Teapot => {
                 "A glossy table between a teapot and a chequered wall: reflections blur with distance."
+            }
+            Self::Phong => {
+                "A round lobe blurs alike in every direction; microfacets draw out what is seen aslant."
             }
             Self::Chrome => "A curved reflector: it shows a map of the light around its middle.",
             Self::Pyramid => {
@@ -139,6 +146,7 @@ impl Example {
             Self::Office => "example:office",
             Self::Cornell => "example:cornell",
             Self::Teapot => "example:teapot",
+            Self::Phong => "example:phong",
             Self::Chrome => "example:chrome",
             Self::Pyramid => "example:pyramid",
             Self::Glass => "example:glass",
@@ -163,6 +171,7 @@ impl Example {
             Self::Quadtrees => scene_files!["cornell/quadtrees.ron", "cornell/cornell.glb"],
             Self::Ball => scene_files!["cornell/ball.ron", "cornell/ball.glb", "cornell/cornell.glb"],
             Self::Teapot => scene_files!["glossy/teapot.ron", "glossy/teapot.glb"],
+            Self::Phong => scene_files!["glossy/phong.ron", "glossy/teapot.glb"],
             Self::Chrome => scene_files!["glossy/chrome.ron", "glossy/chrome.glb"],
             Self::Pyramid => scene_files!["mirror/pyramid.ron", "mirror/pyramid.glb"],
             Self::Glass => scene_files!["glass/glass.ron", "glass/glass.glb"],

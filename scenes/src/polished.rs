@@ -16,6 +16,7 @@ pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
         ("glossy/teapot.glb".into(), teapot_table(glaze()).bytes()),
         ("glossy/teapot.ron".into(), TEAPOT.as_bytes().to_vec()),
+        ("glossy/phong.ron".into(), PHONG.as_bytes().to_vec()),
         ("glossy/chrome.glb".into(), teapot_table(chrome()).bytes()),
         ("glossy/chrome.ron".into(), CHROME.as_bytes().to_vec()),
         ("mirror/pyramid.glb".into(), pyramid().bytes()),
@@ -28,6 +29,27 @@ const TEAPOT: &str = "\
 // sharply, what is farther away is blurred.
 (
     models: [(file: \"teapot.glb\")],
+    movable: [\"Teapot\"],
+    area_lamps: [
+        (name: \"Lamp\", corner: (-0.5, 1.5, 0.1), edge_u: (1.0, 0.0, 0.0), edge_v: (0.0, 0.0, 0.6),
+         radiance: (900.0, 850.0, 760.0)),
+    ],
+    camera: Some((
+        eye: (0.35, 0.46, 1.25),
+        target: (0.02, 0.08, -0.1),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 0.62,
+    )),
+    plan: (volume: Some(false)),
+)
+";
+
+const PHONG: &str = "\
+// The same table with Phong's lobe, as wide as that of GGX: what it mirrors is blurred alike in every direction,
+// where microfacets seen aslant draw it out towards the eye.
+(
+    models: [(file: \"teapot.glb\")],
+    phong: [\"Lacquer\"],
     movable: [\"Teapot\"],
     area_lamps: [
         (name: \"Lamp\", corner: (-0.5, 1.5, 0.1), edge_u: (1.0, 0.0, 0.0), edge_v: (0.0, 0.0, 0.6),

@@ -9,21 +9,26 @@ fn lobe_at(lobe: u32, cos_theta: f32) -> vec4f {
     return mix(lobes.entries[lobe * ANGLES + i], lobes.entries[lobe * ANGLES + i + 1u], x - f32(i));
 }
 
-// Number of the lobe of a width; NONE of a mirror, and of one too many.
-fn lobe_of(alpha: f32) -> u32 {
-    for (var lobe = 0u; lobe < lobes.count; lobe++) {
-        if alpha > 0.0 && lobes.alpha[lobe].x == alpha {
-            return lobe;
+// Number of a lobe; NONE of a mirror, and of one too many.
+fn lobe_number(lobe: Lobe) -> u32 {
+    let parameters = vec2f(select(lobe.alpha, 0.0, lobe.exponent > 0.0), lobe.exponent);
+    for (var number = 0u; number < lobes.count; number++) {
+        if lobe.alpha > 0.0 && all(lobes.parameters[number].xy == parameters) {
+            return number;
         }
     }
     return NONE;
+}
+
+fn lobe_numbered(number: u32) -> Lobe {
+    return Lobe(lobes.parameters[number].x, lobes.parameters[number].y);
 }
 
 // Twin of `GlossyPoint`.
 struct GlossyPoint {
     from_eye: vec3f,
     normal: vec3f,
-    alpha: f32,
+    lobe: Lobe,
 }
 
 // Twin of `GlossyPoint::weight`.
@@ -40,7 +45,7 @@ fn tap_weight(point: GlossyPoint, direction: vec3f, nearness: f32, texel_angle: 
     if ci <= 0.0 {
         return 0.0;
     }
-    return ggx_value(point.normal, wi, -normalize(point.from_eye), point.alpha) * ci / max(squared, least * least);
+    return lobe_value(point.lobe, point.normal, wi, -normalize(point.from_eye)) * ci / max(squared, least * least);
 }
 
 // Unit direction through a place in the picture, in pixels.
@@ -140,13 +145,14 @@ fn glossy_pixel(id: vec2u) -> GlossyPixel {
     }
     let surface = surface_seen(seen - 1u, frame.eye, pixel_direction(frame, id, frame.subpixel));
     let specular = specular_at(surface);
-    let lobe = lobe_of(specular.alpha);
+    let own = Lobe(specular.alpha, specular.exponent);
+    let lobe = lobe_number(own);
     if lobe == NONE {
         return out;
     }
     out.known = true;
     out.reflector = triangles[surface.triangle].reflector;
-    out.point = GlossyPoint(surface.position - frame.eye, surface.geometric_normal, specular.alpha);
+    out.point = GlossyPoint(surface.position - frame.eye, surface.geometric_normal, own);
     let entry = lobe_at(lobe, -dot(out.point.from_eye, out.point.normal) / length(out.point.from_eye));
     out.share = entry.x * specular_reflectance_at(specular, entry.z, entry.y);
     out.support = entry.w;

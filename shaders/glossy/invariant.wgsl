@@ -162,7 +162,7 @@ fn measure(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
         }
         return;
     }
-    let point = GlossyPoint(points[0].xyz / count, own.normal, lobes.alpha[own.lobe].x);
+    let point = GlossyPoint(points[0].xyz / count, own.normal, lobe_numbered(own.lobe));
     let eye_distance = length(point.from_eye);
     let nearness = (1.0 - points[0].w / count) / eye_distance;
     let support = lobe_at(own.lobe, -dot(point.from_eye, point.normal) / eye_distance).w;

@@ -3,8 +3,8 @@
 const ANGLES: u32 = 32u;
 
 struct LobeTables {
-    // Width α of each lobe in x.
-    alpha: array<vec4f, 16>,
+    // Twin of `Lobe::parameters`, of each lobe in x and y.
+    parameters: array<vec4f, 16>,
     // Albedo, cosine for the coat, cosine for the metal, support.
     entries: array<vec4f, 512>,
     count: u32,

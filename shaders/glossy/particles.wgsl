@@ -13,13 +13,17 @@ fn gaussian(u_squared: f32) -> f32 {
     return 2.0 * exp(-2.0 * u_squared) / (PI * (1.0 - 0.13533528));
 }
 
+fn own_lobe(specular: Specular) -> Lobe {
+    return Lobe(specular.alpha, specular.exponent);
+}
+
 // Value of a specular lobe, 1/sr: twin of the second of `Brdf::value`.
-fn lobe_value(specular: Specular, normal: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+fn specular_value(specular: Specular, normal: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
     if dot(normal, wi) <= 0.0 || dot(normal, wo) <= 0.0 {
         return vec3f(0.0);
     }
     let h = normalize(wi + wo);
-    return specular_reflectance(specular, dot(wo, h)) * ggx_value(normal, wi, wo, specular.alpha);
+    return specular_reflectance(specular, dot(wo, h)) * lobe_value(own_lobe(specular), normal, wi, wo);
 }
 
 // First of a surface's particles whose cell has at least this number.
@@ -82,7 +86,7 @@ fn by_particles(surface: Surface, specular: Specular, eye: vec3f) -> vec3f {
                     var there = specular;
                     there.metal = vec3f(normal.w, wi.w, power.w);
                     let weight = gaussian(u_squared) / (radius * radius);
-                    sum += lobe_value(there, normal.xyz, wi.xyz, wo) * power.xyz * weight;
+                    sum += specular_value(there, normal.xyz, wi.xyz, wo) * power.xyz * weight;
                 }
             }
         }
@@ -137,11 +141,11 @@ fn by_emitter(emitter: EmitterInfo, surface: Surface, specular: Specular, wo: ve
         }
         let density = d2 / (emitter.area * cosine_light);
         light = point.radiance / density;
-        share = density / (density + ggx_density(surface.normal, wi, wo, specular.alpha));
+        share = density / (density + lobe_density(own_lobe(specular), surface.normal, wi, wo));
         way = offset_origin(point.position, point.normal * sign(facing)) - origin;
         t_max = 1.0 - 1e-4;
     }
-    let arriving = lobe_value(specular, surface.normal, wi, wo) * (dot(surface.normal, wi) * share) * light;
+    let arriving = specular_value(specular, surface.normal, wi, wo) * (dot(surface.normal, wi) * share) * light;
     if dot(surface.geometric_normal, wi) <= 0.0 || !any(arriving > vec3f(0.0))
         || occluded(frame.tree_count, origin, way, t_max) {
         return vec3f(0.0);
@@ -164,7 +168,7 @@ fn straight_light(surface: Surface, specular: Specular, wo: vec3f, samples: u32,
     }
     let origin = offset_origin(surface.position, surface.geometric_normal);
     for (var j = 0u; j < samples; j++) {
-        let wi = ggx_sample(surface.normal, wo, specular.alpha, r2_point(j, hash(scramble ^ LOBE_SCRAMBLE)));
+        let wi = lobe_sample(own_lobe(specular), surface.normal, wo, r2_point(j, hash(scramble ^ LOBE_SCRAMBLE)));
         if dot(surface.normal, wi) <= 0.0 || dot(surface.geometric_normal, wi) <= 0.0 {
             continue;
         }
@@ -175,8 +179,8 @@ fn straight_light(surface: Surface, specular: Specular, wo: vec3f, samples: u32,
         let seen = surface_seen(met.triangle, origin, wi);
         let radiance = emission_at(seen);
         if any(radiance > vec3f(0.0)) {
-            let density = ggx_density(surface.normal, wi, wo, specular.alpha) + density_of_places(seen, wi, met.t);
-            let value = lobe_value(specular, surface.normal, wi, wo) * dot(surface.normal, wi);
+            let density = lobe_density(own_lobe(specular), surface.normal, wi, wo) + density_of_places(seen, wi, met.t);
+            let value = specular_value(specular, surface.normal, wi, wo) * dot(surface.normal, wi);
             sum += value * radiance / (density * f32(samples));
         }
     }

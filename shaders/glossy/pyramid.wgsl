@@ -86,7 +86,8 @@ fn unfold(@builtin(global_invocation_id) id: vec3u) {
     var texel = no_texel();
     if seen != 0u && nearness != NOT_MIRRORED {
         let info = triangles[seen - 1u];
-        if lobe_of(materials[info.material].alpha) != NONE {
+        let material = materials[info.material];
+        if lobe_number(Lobe(material.alpha, material.exponent)) != NONE {
             texel = Texel(state_vector(pixel, RADIANCE), nearness, 1.0, info.reflector, 0u, 0u);
         }
     }

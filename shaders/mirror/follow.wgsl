@@ -154,7 +154,7 @@ fn reflect_pixel(pixel: u32, mirrored: bool) {
         value = wide_reflection(surface, stored_light(surface), -direction);
     } else {
         let arriving = state_vector(pixel, RADIANCE);
-        value = specular_reflectance(specular, -dot(direction, surface.geometric_normal)) * arriving;
+        value = reflectance_of_uniform_light(specular, -dot(direction, surface.geometric_normal)) * arriving;
     }
     value = select(vec3f(0.0), value, specular.alpha >= 0.0);
     var bent = vec3f(0.0);

@@ -7,6 +7,8 @@ struct Specular {
     // 0 for an ideal mirror, negative for none.
     alpha: f32,
     side: u32,
+    // Of Phong's lobe, 0 of GGX.
+    exponent: f32,
 }
 
 // From where a coat or the boundary of glass is met: twin of `glass::Side`.
@@ -73,6 +75,11 @@ fn specular_reflectance_at(specular: Specular, metal_cosine: f32, coat_cosine: f
     return specular.metallic * metal + vec3f((1.0 - specular.metallic) * coat);
 }
 
+// Twin of `Specular::of_uniform_light`.
+fn reflectance_of_uniform_light(specular: Specular, cos_theta: f32) -> vec3f {
+    return select(1.0, cos_theta, specular.exponent > 0.0) * specular_reflectance(specular, cos_theta);
+}
+
 fn is_lit(surface: Surface) -> bool {
     return !surface.back || materials[triangles[surface.triangle].material].double_sided != 0u;
 }
@@ -81,9 +88,9 @@ fn is_lit(surface: Surface) -> bool {
 fn specular_at(surface: Surface) -> Specular {
     let material = materials[triangles[surface.triangle].material];
     if material.alpha < 0.0 || !is_lit(surface) {
-        return Specular(vec3f(0.0), 0.0, 0.0, -1.0, OUTSIDE);
+        return Specular(vec3f(0.0), 0.0, 0.0, -1.0, OUTSIDE, 0.0);
     }
     let base = textured(material.reflectance, material.reflectance_texture, surface.uv);
     let side = side_met(material, surface.back);
-    return Specular(base, material.metallic, material.dielectric, material.alpha, side);
+    return Specular(base, material.metallic, material.dielectric, material.alpha, side, material.exponent);
 }

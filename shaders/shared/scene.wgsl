@@ -49,7 +49,8 @@ struct MaterialInfo {
     passes: f32,
     // Whether it bounds a solid, and is not a pane.
     solid: u32,
-    padding: u32,
+    // Of Phong's lobe, 0 of GGX.
+    exponent: f32,
 }
 
 struct TextureInfo {

@@ -24,9 +24,10 @@ fn wide_reflection(surface: Surface, stored: StoredLight, wo: vec3f) -> vec3f {
     if general && number != NONE {
         let cosine = dot(surface.normal, wo);
         let mirrored = 2.0 * cosine * surface.normal - wo;
-        return specular_reflectance(specular, cosine) * environment_radiance(number, surface.position, mirrored);
+        return reflectance_of_uniform_light(specular, cosine) * environment_radiance(number, surface.position, mirrored);
     }
-    return specular_reflectance(specular, dot(wo, surface.normal)) * (1.0 / PI) * (stored.direct + stored.indirect);
+    let share = reflectance_of_uniform_light(specular, dot(wo, surface.normal));
+    return share * (1.0 / PI) * (stored.direct + stored.indirect);
 }
 
 // All but the lobe; direct light by shadow rays or from the elements.

@@ -1,114 +1,38 @@
-//! Synthetic mirror images: what every kernel must keep, and where two kernels must agree.
+//! What every kernel must keep, and where two kernels must agree.
 
+use super::setting::{ALPHAS, SHAPES, Setting, lobes, setting};
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     glossy::{
         convolution::{Convention, Masked, Way},
-        invariant::{Kernel, Measure, SplitKernel, WIDEST, convolve},
-        kernel::{GlossyPoint, Lens},
+        invariant::{Kernel, Measure, SplitKernel, WIDEST},
         lobes::LobeTable,
-        pyramid::{Pyramid, Texel, level_size},
-        variant::gather,
+        pyramid::{Texel, level_size},
     },
-    math::random::{hash2, r2_point},
-    mirror::{pass::MirrorImage, reflectors::NO_REFLECTOR, views::Eye},
-    scene::{
-        brdf::{Brdf, Specular},
-        camera::Camera,
-    },
+    math::random::r2_point,
+    mirror::reflectors::NO_REFLECTOR,
+    scene::brdf::{Brdf, Lobe, LobeShape, Specular},
 };
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// A mirror across the view at 2 m, tilted by `tilt` about the vertical, that shows a wall `behind` m behind it.
-struct Setting {
-    lens: Lens,
-    normal: Vec3,
-    image: MirrorImage,
-    eye_distance: Vec<f32>,
-    alpha: f32,
+fn ggx(alpha: f32) -> Lobe {
+    Lobe::new(LobeShape::Ggx, alpha)
 }
-
-fn setting(fov: f32, tilt: f32, alpha: f32, distance: impl Fn(usize) -> f32) -> Setting {
-    let camera = Camera { eye: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, vertical_fov: fov };
-    let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
-    let lens = Lens { eye: Eye::new(&camera, size.x / size.y), size, subpixel: Vec2::splat(0.5) };
-    let normal = Vec3::new(tilt.sin(), 0.0, tilt.cos());
-    let count = (SIZE[0] * SIZE[1]) as usize;
-    let at = |i: usize| Vec2::new((i as u32 % SIZE[0]) as f32, (i as u32 / SIZE[0]) as f32) + 0.5;
-    let eye_distance: Vec<f32> =
-        (0..count).map(|i| -2.0 * normal.z / normal.dot(lens.direction(at(i)))).collect();
-    let radiance = (0..count).map(|i| Vec3::splat((hash2(i as u32 / 5, 3) & 255) as f32)).collect();
-    let image = MirrorImage {
-        width: SIZE[0],
-        height: SIZE[1],
-        reflector: vec![0; count],
-        radiance,
-        distance: (0..count).map(distance).collect(),
-        views: 1,
-        holes: 0,
-    };
-    Setting { lens, normal, image, eye_distance, alpha }
-}
-
-impl Setting {
-    fn point(&self, i: usize) -> GlossyPoint {
-        let at = Vec2::new((i as u32 % SIZE[0]) as f32, (i as u32 / SIZE[0]) as f32) + 0.5;
-        let from_eye = self.lens.direction(at) * self.eye_distance[i];
-        GlossyPoint { from_eye, normal: self.normal, alpha: self.alpha }
-    }
-
-    fn variant(&self) -> Vec<Vec3> {
-        let pyramid = Pyramid::new(&self.image, &self.eye_distance, |_| true);
-        let table = LobeTable::new(self.alpha);
-        (0..self.image.radiance.len())
-            .map(|i| {
-                if self.image.reflector[i] == NO_REFLECTOR {
-                    return Vec3::ZERO;
-                }
-                let point = self.point(i);
-                let support = table.at(point.cos_theta()).support;
-                let pixel = [i as i32 % SIZE[0] as i32, i as i32 / SIZE[0] as i32];
-                gather(&pyramid, &self.lens, &point, pixel, self.image.reflector[i], support).radiance
-            })
-            .collect()
-    }
-
-    /// The point in the middle, the nearness of what it mirrors and tan β of its lobe.
-    fn middle(&self) -> (GlossyPoint, f32, f32) {
-        let i = self.image.radiance.len() / 2 + SIZE[0] as usize / 2;
-        let point = self.point(i);
-        let nearness = 1.0 / (self.eye_distance[i] + self.image.distance[i]);
-        (point, nearness, LobeTable::new(self.alpha).at(point.cos_theta()).support)
-    }
-
-    fn kernel(&self, pyramid: &Pyramid) -> SplitKernel {
-        let (point, nearness, support) = self.middle();
-        SplitKernel::new(&self.lens, &point, nearness, support, pyramid.levels.len())
-    }
-
-    /// One kernel for all pixels of reflector 0, with its level.
-    fn invariant(&self) -> (Vec<Vec3>, SplitKernel) {
-        let pyramid = Pyramid::new(&self.image, &self.eye_distance, |_| true);
-        let kernel = self.kernel(&pyramid);
-        let texels = convolve(&pyramid, 0, &kernel);
-        let at = |i: usize| {
-            let pixel = [i as i32 % SIZE[0] as i32, i as i32 / SIZE[0] as i32];
-            kernel.at_pixel(&pyramid, &texels, 0, pixel, self.image.radiance[i])
-        };
-        ((0..self.image.radiance.len()).map(at).collect(), kernel)
-    }
-}
-
-/// Roughness 0.05, 0.1, 0.2, 0.4.
-const ALPHAS: [f32; 4] = [0.0025, 0.01, 0.04, 0.16];
 
 #[test]
 fn constant_light_stays_constant_under_every_kernel() {
-    for alpha in ALPHAS {
+    for lobe in lobes() {
         for tilt in [0.0, 0.9, 1.3] {
             // Near things before far ones, a hole, and a patch of another reflector.
-            let mut s = setting(0.8, tilt, alpha, |i| if i % 7 < 3 { 0.02 } else { 1.0 + (i % 50) as f32 });
+            let mut s =
+                setting(
+                    SIZE,
+                    0.8,
+                    tilt,
+                    lobe,
+                    |[x, y]| if (x + y) % 7 < 3 { 0.02 } else { 1.0 + (x % 50) as f32 },
+                );
             s.image.radiance.fill(Vec3::new(3.0, 2.0, 1.0));
             for i in 1000..1200 {
                 s.image.reflector[i] = NO_REFLECTOR;
@@ -121,11 +45,11 @@ fn constant_light_stays_constant_under_every_kernel() {
                 let wanted = if s.image.reflector[i] == NO_REFLECTOR { 0.0 } else { 1.0 };
                 // Asked for: 1e-3. Rounding of some hundred sums.
                 let error = (*found - wanted * Vec3::new(3.0, 2.0, 1.0)).abs().max_element();
-                assert!(error < 1e-4, "α {alpha}, tilt {tilt}: pixel {i} is {found}");
+                assert!(error < 1e-4, "{lobe:?}, tilt {tilt}: pixel {i} is {found}");
             }
             for (i, found) in s.invariant().0.iter().enumerate().filter(|(i, _)| s.image.reflector[*i] == 0) {
                 let error = (*found - Vec3::new(3.0, 2.0, 1.0)).abs().max_element();
-                assert!(error < 1e-4, "α {alpha}, tilt {tilt}: pixel {i} is {found}");
+                assert!(error < 1e-4, "{lobe:?}, tilt {tilt}: pixel {i} is {found}");
             }
         }
     }
@@ -133,8 +57,8 @@ fn constant_light_stays_constant_under_every_kernel() {
 
 #[test]
 fn both_ways_of_summing_agree_keep_white_and_go_beyond_nothing_they_sum() {
-    for radius in [1, 4, 9, 20] {
-        let s = setting(0.8, 0.7, 0.04, |_| 3.0);
+    for (radius, lobe) in [1, 4, 9, 20].into_iter().flat_map(|r| SHAPES.map(|s| (r, Lobe::new(s, 0.04)))) {
+        let s = setting(SIZE, 0.8, 0.7, lobe, |_| 3.0);
         let (point, nearness, _) = s.middle();
         let kernel = Kernel::on_level(&s.lens, &point, nearness, 0, radius);
         // A hole and a patch that weighs half.
@@ -154,7 +78,7 @@ fn both_ways_of_summing_agree_keep_white_and_go_beyond_nothing_they_sum() {
                 // Black only where no neighbour counts, and the hole is not as wide as that here.
                 assert!(
                     (l - Vec3::splat(7.0)).abs().max_element() < 7e-3,
-                    "{way:?}, {convention:?}, radius {radius}: {l}"
+                    "{lobe:?}, {way:?}, {convention:?}, radius {radius}: {l}"
                 );
             }
         }
@@ -164,7 +88,7 @@ fn both_ways_of_summing_agree_keep_white_and_go_beyond_nothing_they_sum() {
 #[test]
 fn forward_a_point_spreads_as_its_kernel_and_backward_as_the_kernel_turned() {
     // Seen aslant, a kernel is lopsided: it reaches further away from the eye than towards it.
-    let s = setting(0.8, 1.2, 0.1, |_| 3.0);
+    let s = setting(SIZE, 0.8, 1.2, ggx(0.1), |_| 3.0);
     let (point, nearness, _) = s.middle();
     let kernel = Kernel::on_level(&s.lens, &point, nearness, 0, 6);
     let (total, edge) = (kernel.weights.iter().sum::<f32>(), 13);
@@ -203,8 +127,8 @@ fn small_kernels_are_summed_and_large_ones_transformed() {
 
 #[test]
 fn a_kernel_on_a_coarser_level_is_near_the_sum_over_every_pixel() {
-    for alpha in ALPHAS {
-        let mut s = setting(0.8, 0.7, alpha, |_| 3.0);
+    for lobe in lobes() {
+        let mut s = setting(SIZE, 0.8, 0.7, lobe, |_| 3.0);
         let (point, nearness, support) = s.middle();
         let radius =
             point.radius_pixels(nearness, support, s.lens.pixel_angle()).ceil().clamp(1.0, 32.0) as i32;
@@ -250,75 +174,110 @@ fn a_kernel_on_a_coarser_level_is_near_the_sum_over_every_pixel() {
         let beyond = rest.as_ref().map_or(0.0, |rest| sum(rest) / (sum(rest) + sum(peak)));
         let most = 1e-5 + (1.0 - beyond) * blur(peak) + beyond * rest.as_ref().map_or(0.0, blur);
         println!(
-            "α {alpha}: level {}, radius {radius}, {:.0} % in the rest, worst {worst} of a change of {largest}, \
+            "{lobe:?}: level {}, radius {radius}, {:.0} % in the rest, worst {worst} of a change of {largest}, \
              at most {most}",
             peak.level,
             100.0 * beyond
         );
-        assert!(worst < most && most < 0.04, "α {alpha}: {worst}, at most {most}");
+        assert!(worst < most && most < 0.04, "{lobe:?}: {worst}, at most {most}");
     }
 }
 
 #[test]
 fn a_reflector_is_measured_by_its_means() {
     let mut measure = Measure::default();
-    assert!(measure.mean(Vec3::Z, 0.1).is_none());
+    assert!(measure.mean(Vec3::Z, ggx(0.1)).is_none());
     measure.add(Vec3::new(0.0, 0.0, -2.0), 2.0);
     measure.add(Vec3::new(0.0, 1.0, -2.0), f32::INFINITY);
-    let (point, nearness) = measure.mean(Vec3::Z, 0.1).unwrap();
+    let (point, nearness) = measure.mean(Vec3::Z, ggx(0.1)).unwrap();
     assert_eq!((point.from_eye, measure.share), (Vec3::new(0.0, 0.5, -2.0), 1.5));
     // Three quarters of the unfolded way lie behind the mirror.
     assert!((1.0 - point.from_eye.length() * nearness - 0.75).abs() < 1e-6);
-    let lens = setting(0.8, 0.3, 0.1, |_| 1.0).lens;
+    let lens = setting(SIZE, 0.8, 0.3, ggx(0.1), |_| 1.0).lens;
     let at = Vec2::new(20.3, 30.8);
     assert!(lens.place(3.0 * lens.direction(at)).distance(at) < 1e-3);
 }
 
+/// A wall behind a mirror across the view at such a distance that the kernel has a radius of so many pixels: seen
+/// through a narrow angle along the normal, distances are equal to 1e-3 and so are lobes.
+fn equally_far(lobe: Lobe, radius: f32) -> Setting {
+    const FOV: f32 = 0.02;
+    let size = [192, 144];
+    let share = radius * FOV / size[1] as f32 / LobeTable::new(lobe).at(1.0).support;
+    setting(size, FOV, 0.0, lobe, |_| 2.0 * share / (1.0 - share))
+}
+
 #[test]
-fn both_kernels_agree_where_everything_is_equally_far() {
-    for alpha in [0.0025, 0.01, 0.04] {
-        // Seen through a narrow angle along the normal, distances and directions are equal to 1e-3.
-        let s = setting(0.05, 0.0, alpha, |_| 0.15);
+fn where_all_is_equally_far_both_kernels_have_the_same_weights() {
+    for lobe in lobes() {
+        let s = equally_far(lobe, 3.0);
+        let variant = s.variant();
+        let (point, nearness, _) = s.middle();
+        let kernel = Kernel::on_level(&s.lens, &point, nearness, 0, 5);
+        let (mut worst, mut change) = (0.0f32, 0.0f32);
+        for (x, y) in (20..124).flat_map(|y| (20..172).map(move |x| (x, y))) {
+            // The window of the variant one: ten pixels from four before each pair on.
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (tx, ty) in (0..100).map(|i| (x / 2 * 2 - 4 + i % 10, y / 2 * 2 - 4 + i / 10)) {
+                let weight = kernel.weights[((ty + 5 - y) * 11 + tx + 5 - x) as usize];
+                sum += weight * s.image.radiance[s.number([tx, ty])].x;
+                weights += weight;
+            }
+            let i = s.number([x, y]);
+            worst = worst.max((variant[i].x - sum / weights).abs());
+            change = change.max((s.image.radiance[i].x - sum / weights).abs());
+        }
+        println!("{lobe:?}: worst {worst} of a change of {change}");
+        // Of noise from 0 to 255.
+        assert!(worst < 1e-3 * 255.0 && change > 50.0, "{lobe:?}: {worst} of {change}");
+    }
+}
+
+#[test]
+fn where_all_is_equally_far_both_kernels_give_the_same_picture() {
+    // Phong's lobe ends where its support does; of GGX's as much lies beyond as the invariant kernel leaves out.
+    for (alpha, radius) in ALPHAS.into_iter().flat_map(|alpha| [3.0, 6.0, 12.0].map(|radius| (alpha, radius)))
+    {
+        let lobe = Lobe::new(LobeShape::Phong, alpha);
+        let wave = std::f32::consts::TAU / (24.0 * radius);
+        let s = equally_far(lobe, radius);
+        let s = s.showing(|[x, y]| 1.0 + 0.5 * (wave * (x as f32 + 0.5 * y as f32)).cos());
         let variant = s.variant();
         let (invariant, kernel) = s.invariant();
         let (mut worst, mut change) = (0.0f32, 0.0f32);
-        for y in 12..36 {
-            for x in 14..50 {
-                let i = y * SIZE[0] as usize + x;
-                worst = worst.max((variant[i] - invariant[i]).abs().max_element());
-                change = change.max((s.image.radiance[i] - invariant[i]).abs().max_element());
-            }
+        for i in (40..104).flat_map(|y| (40..152).map(move |x| [x, y])).map(|p| s.number(p)) {
+            worst = worst.max((variant[i].x / invariant[i].x - 1.0).abs());
+            change = change.max((s.image.radiance[i].x / invariant[i].x - 1.0).abs());
         }
-        let (radius, level) = (kernel.peak.radius, kernel.peak.level);
-        println!(
-            "α {alpha}: peak of radius {radius} on level {level}, worst {worst} of a change of {change}"
-        );
-        // Beyond four pixels the variant kernel reads means of 2 × 2, and its tail goes on where the
-        // invariant one is cut at 95 %.
-        assert!(worst < 0.05 * 255.0, "α {alpha}: {worst}");
+        println!("α {alpha}, radius {radius}: level {}, worst {worst} of {change}", kernel.peak.level);
+        assert!(worst <= 1e-3 && change > 6e-3, "α {alpha}, radius {radius}: {worst} of {change}");
     }
 }
 
 #[test]
 fn what_touches_the_surface_stays_sharp_and_what_is_far_is_blurred() {
-    let blur = |distance: f32| {
-        let s = setting(0.6, 0.5, 0.04, |_| distance);
-        let found = s.variant();
-        let change = found.iter().zip(&s.image.radiance).map(|(a, b)| (*a - *b).abs().x).sum::<f32>();
-        change / found.len() as f32
-    };
-    let blurs = [0.0, 0.002, 0.05, 1.0, 20.0].map(blur);
-    println!("mean change by distance: {blurs:?}");
-    assert!(blurs[0] < 0.5 && blurs.windows(2).all(|w| w[0] < w[1]), "{blurs:?}");
+    for shape in SHAPES {
+        let lobe = Lobe::new(shape, 0.04);
+        let blur = |distance: f32| {
+            let s = setting(SIZE, 0.6, 0.5, lobe, |_| distance);
+            let found = s.variant();
+            let change = found.iter().zip(&s.image.radiance).map(|(a, b)| (*a - *b).abs().x).sum::<f32>();
+            change / found.len() as f32
+        };
+        let blurs = [0.0, 0.002, 0.05, 1.0, 20.0].map(blur);
+        println!("{shape:?}, mean change by distance: {blurs:?}");
+        assert!(blurs[0] < 0.5 && blurs.windows(2).all(|w| w[0] < w[1]), "{blurs:?}");
+    }
 }
 
 #[test]
 fn the_library_reflects_what_quadrature_says() {
     let gold = Vec3::new(0.63, 0.56, 0.37);
-    for alpha in [0.01, 0.04, 0.16] {
-        let table = LobeTable::new(alpha);
+    for (shape, alpha) in SHAPES.into_iter().flat_map(|s| [0.01, 0.04, 0.16].map(|alpha| (s, alpha))) {
+        let table = LobeTable::new(Lobe::new(shape, alpha));
         for (metallic, cos) in [(1.0, 0.95), (1.0, 0.5), (1.0, 0.2), (0.0, 0.7), (0.0, 0.3)] {
-            let specular = Specular { metal: gold, metallic, dielectric: 0.04, alpha, ..Specular::default() };
+            let specular =
+                Specular { metal: gold, metallic, dielectric: 0.04, alpha, shape, ..Specular::default() };
             let brdf = Brdf { specular: Some(specular), ..Brdf::default() };
             let wo = Vec3::new((1.0f32 - cos * cos).sqrt(), 0.0, cos);
             let n = 20_000;
@@ -331,13 +290,15 @@ fn the_library_reflects_what_quadrature_says() {
             }
             let found = table.modulation(&specular, cos);
             let error = ((found - wanted).abs() / wanted).max_element();
-            println!("α {alpha} cos {cos} metallic {metallic}: {found} for {wanted}, {error:.4}");
+            println!("{shape:?}, α {alpha} cos {cos} metallic {metallic}: {found} for {wanted}, {error:.4}");
             // A coat's angle is fitted; a metal's mean angle stands for a lobe of them.
             assert!(error < if metallic == 0.0 { 0.02 } else { 0.05 }, "{error}");
             assert!(found.max_element() <= 1.0 && table.at(cos).albedo <= 1.0);
         }
-        let sharp = LobeTable::new(0.0025).at(0.7);
-        assert!((sharp.albedo - 1.0).abs() < 2e-3 && (sharp.metal_cosine - 0.7).abs() < 0.01);
+        let sharp = LobeTable::new(Lobe::new(shape, 0.0025)).at(0.7);
+        // Phong's lobe keeps as much as the cosine of its middle says.
+        let kept = if shape == LobeShape::Phong { 0.7 } else { 1.0 };
+        assert!((sharp.albedo - kept).abs() < 2e-3 && (sharp.metal_cosine - 0.7).abs() < 0.01);
         assert!((sharp.support - 0.0).abs() < 0.05 && table.at(0.7).support > sharp.support);
     }
 }

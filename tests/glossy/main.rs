@@ -3,7 +3,10 @@
 mod commands;
 mod depth;
 mod environment;
+mod footprint;
+mod frames;
 mod kernels;
 mod particle_light;
 mod particles;
+mod setting;
 mod teapot;

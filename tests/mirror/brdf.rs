@@ -8,7 +8,7 @@ use lumenscope_core::{
     scene::{
         Scene,
         accel::Ray,
-        brdf::{Brdf, Lobe, Specular},
+        brdf::{Brdf, Lobe, LobeShape, Specular},
         direct::Receiver,
         fresnel,
         material::Material,
@@ -19,13 +19,15 @@ use lumenscope_tests::{add, add_point_lamp, cuboid, rectangle};
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
 
-const LOBES: [Lobe; 6] = [
+const LOBES: [Lobe; 7] = [
     Lobe::Ggx { alpha: 0.04 },
     Lobe::Ggx { alpha: 0.16 },
     Lobe::Ggx { alpha: 1.0 },
     Lobe::Phong { exponent: 0.0 },
     Lobe::Phong { exponent: 20.0 },
     Lobe::Phong { exponent: 400.0 },
+    // Roughness 0.05.
+    Lobe::Phong { exponent: 80_000.0 },
 ];
 
 fn towards(cos: f32, phi: f32) -> Vec3 {
@@ -109,20 +111,53 @@ fn lobes_are_reciprocal_and_reflect_no_more_than_arrives() {
     }
 }
 
+#[test]
+fn lobes_of_a_width_are_as_wide_and_phongs_keeps_as_much_as_its_cosine() {
+    for alpha in [0.0025f32, 0.01, 0.04, 0.16, 1.0] {
+        let [ggx, phong] = [LobeShape::Ggx, LobeShape::Phong].map(|shape| Lobe::new(shape, alpha));
+        assert!((phong.alpha() / alpha - 1.0).abs() < 1e-5 && ggx.alpha() == alpha);
+        // Peaks along the normal: 1 / (4 π α²) and (n + 2) / 2π = (1 / (2 α²) + 3/2) / 2π.
+        let [a, b] = [ggx, phong].map(|lobe| lobe.value(Vec3::Z, Vec3::Z, Vec3::Z));
+        let wanted = 0.25 / (PI * alpha * alpha);
+        assert!((a / wanted - 1.0).abs() < 1e-3 && ((b - 1.5 / TAU) / wanted - 1.0).abs() < 1e-3, "{a} {b}");
+        for cos in [1.0f32, 0.7, 0.5] {
+            let wo = towards(cos, 0.3);
+            let reflected = integral(wo, |wi| phong.value(Vec3::Z, wi, wo) * wi.z.max(0.0));
+            let specular = Specular { shape: LobeShape::Phong, ..specular(1.0, alpha) };
+            let kept = specular.of_uniform_light(cos) / specular.reflectance(cos);
+            assert!((kept - cos).abs().max_element() < 1e-6);
+            // Where the horizon does not cut the lobe, four of its widths of 2α off.
+            if 8.0 * alpha < (0.5 * PI - cos.acos()).max(1e-3) {
+                assert!((reflected - cos).abs() < 1e-3, "α {alpha} at {cos}: {reflected}");
+            }
+        }
+    }
+}
+
 fn specular(metallic: f32, alpha: f32) -> Specular {
     Specular { metal: Vec3::new(0.63, 0.56, 0.37), metallic, dielectric: 0.04, alpha, ..Specular::default() }
 }
 
 #[test]
 fn a_white_furnace_gives_back_the_albedo_however_it_is_sampled() {
-    for (metallic, alpha) in [(1.0, 0.0), (1.0, 0.1), (0.0, 0.04), (0.5, 0.16)] {
+    let (ggx, phong) = (LobeShape::Ggx, LobeShape::Phong);
+    for (shape, metallic, alpha) in [
+        (ggx, 1.0, 0.0),
+        (ggx, 1.0, 0.1),
+        (ggx, 0.0, 0.04),
+        (ggx, 0.5, 0.16),
+        (phong, 1.0, 0.0),
+        (phong, 1.0, 0.1),
+        (phong, 0.5, 0.16),
+    ] {
+        let specular = Specular { shape, ..specular(metallic, alpha) };
         let coat = 1.0 - fresnel::hemispherical(0.04);
         let diffuse = Vec3::new(0.9, 0.5, 0.1) * ((1.0 - metallic) * coat);
-        let brdf = Brdf { diffuse, specular: Some(specular(metallic, alpha)), glass: None };
+        let brdf = Brdf { diffuse, specular: Some(specular), glass: None };
         for cos in [0.95, 0.5] {
             let wo = towards(cos, 0.3);
             let lobe = if alpha == 0.0 {
-                specular(metallic, alpha).reflectance(cos)
+                specular.reflectance(cos)
             } else {
                 Vec3::from_array(std::array::from_fn(|c| {
                     integral(wo, |wi| brdf.value(Vec3::Z, wi, wo)[1][c] * wi.z.max(0.0))
@@ -136,7 +171,7 @@ fn a_white_furnace_gives_back_the_albedo_however_it_is_sampled() {
                 found = [found[0] + s.diffuse / n as f32, found[1] + s.specular / n as f32];
             }
             let errors = [(found[0] - diffuse).abs(), (found[1] - lobe).abs()].map(Vec3::max_element);
-            assert!(errors.iter().all(|e| *e < 8e-3), "{metallic} {alpha} {cos}: {errors:?}");
+            assert!(errors.iter().all(|e| *e < 8e-3), "{specular:?} {cos}: {errors:?}");
         }
     }
 }
@@ -160,10 +195,10 @@ fn uniform_light_is_never_made_more() {
 
 /// A closed box of glossy walls that emit, with a glossy block and a dark panel in it. Not one small lamp: what
 /// the second estimator finds of that by chance has no variance worth the name.
-fn glossy_room(roughness: f32) -> Scene {
+fn glossy_room(lobe_shape: LobeShape, roughness: f32) -> Scene {
     let mut scene = Scene::default();
     let base = Vec3::new(0.3, 0.2, 0.1);
-    let glossy = Material { reflectance: base, metallic: 0.6, roughness, ..Material::default() };
+    let glossy = Material { reflectance: base, metallic: 0.6, roughness, lobe_shape, ..Material::default() };
     let walls = Material { emission: Vec3::new(1.0, 2.0, 3.0), ..glossy.clone() };
     add(&mut scene, "walls", cuboid(Vec3::splat(-1.0), Vec3::ONE, true), walls);
     add(&mut scene, "block", cuboid(Vec3::new(-0.3, -1.0, -0.5), Vec3::new(0.4, 0.1, 0.2), false), glossy);
@@ -174,27 +209,29 @@ fn glossy_room(roughness: f32) -> Scene {
 
 #[test]
 fn two_estimators_agree_on_irradiance_among_glossy_walls() {
-    let world = World::new(&glossy_room(0.45));
-    let receivers: Vec<_> = (0..12)
-        .map(|i| {
-            let triangle = i % 12;
-            let inwards = -world.geometry.area_normal(triangle).normalize();
-            Receiver::of(&world.geometry.surface(triangle, 0.5 * r2_point(i, 9), inwards))
-        })
-        .collect();
-    let [found, wanted] = [false, true].map(|brute| {
-        let estimate = |(i, r): (usize, &Receiver)| {
-            if brute {
-                irradiance_brute(&world, r, Part::All, 150_000, i as u64)
-            } else {
-                irradiance(&world, r, Part::All, 8_000, 100 + i as u64)
-            }
-        };
-        receivers.par_iter().enumerate().map(estimate).collect::<Vec<_>>()
-    });
-    let test = z_test(&found, &wanted, 0.01).unwrap();
-    println!("{test:?}");
-    assert!(test.passes(), "{test:?}");
+    for shape in [LobeShape::Ggx, LobeShape::Phong] {
+        let world = World::new(&glossy_room(shape, 0.45));
+        let receivers: Vec<_> = (0..12)
+            .map(|i| {
+                let triangle = i % 12;
+                let inwards = -world.geometry.area_normal(triangle).normalize();
+                Receiver::of(&world.geometry.surface(triangle, 0.5 * r2_point(i, 9), inwards))
+            })
+            .collect();
+        let [found, wanted] = [false, true].map(|brute| {
+            let estimate = |(i, r): (usize, &Receiver)| {
+                if brute {
+                    irradiance_brute(&world, r, Part::All, 150_000, i as u64)
+                } else {
+                    irradiance(&world, r, Part::All, 8_000, 100 + i as u64)
+                }
+            };
+            receivers.par_iter().enumerate().map(estimate).collect::<Vec<_>>()
+        });
+        let test = z_test(&found, &wanted, 0.01).unwrap();
+        println!("{shape:?}: {test:?}");
+        assert!(test.passes(), "{shape:?}: {test:?}");
+    }
 }
 
 #[test]
@@ -217,17 +254,19 @@ fn an_emitter_in_an_ideal_mirror_is_its_radiance_times_fresnel() {
 
 #[test]
 fn a_lamp_over_a_glossy_floor_is_its_closed_form() {
-    let mut scene = Scene::default();
-    let material = Material { metallic: 1.0, roughness: 0.4, ..Material::default() };
-    let floor = rectangle(Vec3::new(-5.0, 0.0, -5.0), Vec3::Z * 10.0, Vec3::X * 10.0);
-    add(&mut scene, "floor", floor, material.clone());
-    let lamp = Vec3::new(1.0, 2.0, 0.0);
-    add_point_lamp(&mut scene, lamp, Vec3::splat(100.0));
-    let world = World::new(&scene);
-    let eye = Vec3::new(-1.0, 1.5, 0.4);
-    let (wi, wo) = (lamp.normalize(), eye.normalize());
-    let found = radiance(&world, &Ray::new(eye, -wo), 64, 1).mean;
-    let f = material.brdf_at(Vec2::ZERO, &[]).value(Vec3::Y, wi, wo)[1];
-    let wanted = f * (100.0 * wi.y / lamp.length_squared());
-    assert!((found - wanted).abs().max_element() < 1e-4 * wanted.x, "{found} for {wanted}");
+    for lobe_shape in [LobeShape::Ggx, LobeShape::Phong] {
+        let mut scene = Scene::default();
+        let material = Material { metallic: 1.0, roughness: 0.4, lobe_shape, ..Material::default() };
+        let floor = rectangle(Vec3::new(-5.0, 0.0, -5.0), Vec3::Z * 10.0, Vec3::X * 10.0);
+        add(&mut scene, "floor", floor, material.clone());
+        let lamp = Vec3::new(1.0, 2.0, 0.0);
+        add_point_lamp(&mut scene, lamp, Vec3::splat(100.0));
+        let world = World::new(&scene);
+        let eye = Vec3::new(-1.0, 1.5, 0.4);
+        let (wi, wo) = (lamp.normalize(), eye.normalize());
+        let found = radiance(&world, &Ray::new(eye, -wo), 64, 1).mean;
+        let f = material.brdf_at(Vec2::ZERO, &[]).value(Vec3::Y, wi, wo)[1];
+        let wanted = f * (100.0 * wi.y / lamp.length_squared());
+        assert!((found - wanted).abs().max_element() < 1e-4 * wanted.x, "{found} for {wanted}");
+    }
 }

@@ -83,6 +83,51 @@ fn a_mirror_shows_what_the_path_tracer_sees_in_it() {
     assert!(mirrored > 60 && test.passes(), "{test:?}");
 }
 
+/// A floor before a corner of two mirrors of gold and copper, a block of two dark halves on it, and a lamp above the
+/// corner that shines away from both: what they show lies in the floor's own plane, or is dark.
+fn corner() -> Scene {
+    let mut scene = Scene::default();
+    let floor = rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0);
+    add(&mut scene, "floor", floor, diffuse("floor", Vec3::new(0.6, 0.5, 0.4), Vec3::ZERO));
+    let (x, y, z) = (Vec3::X * 1.2, Vec3::Y * 1.2, Vec3::Z * 1.2);
+    add(&mut scene, "left", rectangle(Vec3::ZERO, y, z), mirror(Vec3::new(0.63, 0.56, 0.37)));
+    add(&mut scene, "right", rectangle(Vec3::ZERO, x, y), mirror(Vec3::new(0.89, 0.59, 0.5)));
+    let lamp = rectangle(Vec3::new(0.95, 1.3, 0.35), Vec3::Y * 0.4, Vec3::new(-0.6, 0.0, 0.6));
+    add(&mut scene, "lamp", lamp, diffuse("lamp", Vec3::ZERO, Vec3::new(100.0, 90.0, 70.0)));
+    let block = cuboid(Vec3::new(1.3, 0.001, 0.7), Vec3::new(1.6, 0.5, 0.9), false);
+    add(&mut scene, "block", block, diffuse("black", Vec3::ZERO, Vec3::ZERO));
+    let (eye, target) = (Vec3::new(2.6, 1.2, 2.2), Vec3::new(0.2, 0.25, 0.3));
+    scene.camera = Camera { eye, target, vertical_fov: 0.4, ..Camera::default() };
+    scene
+}
+
+#[test]
+fn in_a_corner_of_two_mirrors_each_shows_the_other_as_the_path_tracer_does() {
+    let of = |depth| {
+        let mut scene = corner();
+        scene.plan.mirror_depth = Some(depth);
+        against_paths(scene)
+    };
+    let (mirrored, test) = of(2);
+    assert!(mirrored > 100 && test.passes(), "{test:?}");
+    let (scene, world) = (corner(), World::new(&corner()));
+    let met = |ray: &Ray| {
+        let hit = world.accel.trace(ray)?;
+        let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+        world.geometry.brdf(&surface).specular.map(|_| surface)
+    };
+    let shows_both = |i: &u32| {
+        let pixel = UVec2::new(i % SIZE.x, i / SIZE.x);
+        let ray = Ray::new(scene.camera.eye, pixel_direction(&scene.camera, SIZE, pixel, Vec2::splat(0.5)));
+        let second = met(&ray).and_then(|first| met(&first.mirrored(ray.direction)));
+        second.is_some() && radiance(&world, &ray, 16, 1).mean.x > 0.0
+    };
+    let both = (0..SIZE.x * SIZE.y).filter(shows_both).count();
+    assert!(both > 100, "{both} pixels show something by both mirrors");
+    // At a right angle no ray meets more than two; one is too few, and the test tells.
+    assert!(!of(1).1.passes());
+}
+
 /// Two mirrors that face each other and glow, and a camera between them that looks at one.
 fn two_mirrors() -> Scene {
     let mut scene = Scene::default();

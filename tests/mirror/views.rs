@@ -122,7 +122,7 @@ fn the_kernel_view_lies_on_what_the_lobe_meets() {
         let hit = world.accel.trace(&Ray::new(eye, towards)).unwrap();
         KernelPoint::on(&world.geometry, &world.geometry.surface(hit.triangle, hit.barycentric, towards), eye)
     };
-    assert_eq!(glossy(&world, point.position + point.wo, -point.wo).unwrap().alpha, point.alpha);
+    assert_eq!(glossy(&world, point.position + point.wo, -point.wo).unwrap().lobe, point.lobe);
     assert!(glossy(&world, eye, Vec3::NEG_Z).is_none(), "the wall is dull");
     assert!(glossy(&world, -eye, Vec3::Y).is_none(), "from below the floor is dark");
 }

@@ -1,6 +1,7 @@
 //! Scenes that place models and add what they lack.
 
 use super::{files::*, *};
+use lumenscope_core::scene::brdf::LobeShape;
 
 const RON: &str = r#"(
     models: [
@@ -16,6 +17,7 @@ const RON: &str = r#"(
     area_lamps: [(name: "panel", corner: (0.0, 3.0, 0.0), edge_u: (2.0, 0.0, 0.0), edge_v: (0.0, 0.0, 1.0),
         radiance: (100.0, 100.0, 100.0), texture: "half.png")],
     movable: ["cra*", "nothing"],
+    phong: ["pan*", "none"],
     camera: (eye: (5.0, 5.0, 5.0), target: (0.0, 0.0, 0.0), up: (0.0, 1.0, 0.0), vertical_fov: 0.7),
     planes: [(name: "floor", corner: (0.0, 0.0, 0.0), edge_u: (0.0, 0.0, 1.0), edge_v: (1.0, 0.0, 0.0))],
     plan: (gather_rays: 64, volume: Some(false)),
@@ -28,7 +30,12 @@ fn ron_places_models_and_adds_what_they_lack() {
     write(folder.path(), "cube.obj", CUBE_OBJ);
     write(folder.path(), "half.png", png(&[[188, 188, 188]]));
     let scene = load(&write(folder.path(), "room.ron", RON)).unwrap();
-    assert_eq!(scene.warnings, ["movable: no object is named \"nothing\""]);
+    assert_eq!(
+        scene.warnings,
+        ["movable: no object is named \"nothing\"", "phong: no material is named \"none\""]
+    );
+    let of_phong = scene.materials.iter().filter(|m| m.lobe_shape == LobeShape::Phong);
+    assert_eq!(of_phong.map(|m| m.name.as_str()).collect::<Vec<_>>(), ["panel"]);
     let names: Vec<_> = scene.objects.iter().map(|o| (o.name.as_str(), o.movable)).collect();
     assert_eq!(names, [("crate", true), ("cube", true), ("panel", true)]);
 

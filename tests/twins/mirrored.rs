@@ -7,7 +7,7 @@ use lumenscope_core::{
     gpu::{Stage, StageClock},
     math::progress::Progress,
     mirror::{MirrorMethod, images::MirrorImages},
-    scene::{material::Material, world::World},
+    scene::{brdf::LobeShape, material::Material, world::World},
 };
 use lumenscope_tests::cornell;
 
@@ -85,21 +85,15 @@ fn one_kernel_a_reflector_is_the_specifications() {
     let mut gpu = Gpu::new(context);
     let camera =
         Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.4, -0.5), ..Camera::default() };
-    for roughness in [0.1, 0.25, 0.45] {
-        let solution = mirrored();
+    let (ggx, phong) = (LobeShape::Ggx, LobeShape::Phong);
+    for (shape, roughness) in [(ggx, 0.1), (ggx, 0.25), (ggx, 0.45), (phong, 0.1), (phong, 0.45)] {
         // Kernels of a few pixels, and of some dozens on coarser levels: the floor's, the walls' and the block's.
-        let mut scene = (*solution.scene).clone();
-        scene.plan.glossy = Some(GlossyMethod::Invariant);
-        for material in scene.materials.iter_mut().filter(|m| m.alpha().is_some_and(|alpha| alpha > 0.0)) {
-            material.roughness = roughness;
-        }
-        let world = Arc::new(World::new(&scene));
-        let solution = LightTransportSolution { scene: Arc::new(scene), world, ..solution };
+        let solution = edited(&mirrored(), shape, roughness, GlossyMethod::Invariant);
         gpu.upload(&solution);
         gpu.frame(&frame_settings(camera, DirectQuality::Elements));
         let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
         let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
-        let name = format!("roughness {roughness}");
+        let name = format!("{shape:?}, roughness {roughness}");
         compare_layers(&name, &[Layer::Glossy], (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
         // It is no other method's picture.
         let mut other = (*solution.scene).clone();
@@ -112,12 +106,17 @@ fn one_kernel_a_reflector_is_the_specifications() {
     }
 }
 
-/// A solution with every glossy material's roughness and the method replaced, as the plan and the materials panel do.
-fn edited(solution: &LightTransportSolution, roughness: f32, method: GlossyMethod) -> LightTransportSolution {
+/// A solution with every glossy material's lobe and the method replaced, as the plan and the materials panel do.
+fn edited(
+    solution: &LightTransportSolution,
+    shape: LobeShape,
+    roughness: f32,
+    method: GlossyMethod,
+) -> LightTransportSolution {
     let mut scene = (*solution.scene).clone();
     scene.plan.glossy = Some(method);
-    for material in scene.materials.iter_mut().filter(|m| m.alpha().is_some_and(|alpha| alpha > 0.0)) {
-        material.roughness = roughness;
+    for material in scene.materials.iter_mut().filter(|m| m.is_glossy()) {
+        (material.roughness, material.lobe_shape) = (roughness, shape);
     }
     let world = Arc::new(World::new(&scene));
     LightTransportSolution { scene: Arc::new(scene), world, ..solution.clone() }
@@ -131,16 +130,20 @@ fn lobes_follow_a_material_and_every_method_is_its_specification_within_the_glos
     // Close to a part of the floor, so that what is glossy fills a corner of the picture.
     let camera =
         Camera { eye: Vec3::new(0.617, 1.311, 0.8), target: Vec3::new(-0.8, 0.9, -0.5), ..Camera::default() };
-    gpu.upload(&edited(&solution, 0.1, GlossyMethod::Variant));
-    for roughness in [0.3, 0.45] {
-        for method in [GlossyMethod::Variant, GlossyMethod::VariantHalf, GlossyMethod::Invariant] {
+    gpu.upload(&edited(&solution, LobeShape::Ggx, 0.1, GlossyMethod::Variant));
+    for (shape, roughness) in
+        [(LobeShape::Ggx, 0.3), (LobeShape::Phong, 0.3), (LobeShape::Phong, 0.05), (LobeShape::Ggx, 0.45)]
+    {
+        for method in
+            [GlossyMethod::Variant, GlossyMethod::VariantHalf, GlossyMethod::Invariant, GlossyMethod::Sharp]
+        {
             // Nothing but a material's value changed: the same structure on the device, other lobes.
-            let solution = edited(&solution, roughness, method);
+            let solution = edited(&solution, shape, roughness, method);
             gpu.upload(&solution);
             gpu.frame(&frame_settings(camera, DirectQuality::Elements));
             let settings = PassSettings { direct: DirectQuality::Elements, ..PassSettings::default() };
             let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
-            let name = format!("roughness {roughness}, {}", method.name());
+            let name = format!("{shape:?}, roughness {roughness}, {}", method.name());
             compare_layers(&name, &[Layer::Glossy], (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
         }
     }

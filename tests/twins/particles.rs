@@ -5,18 +5,18 @@ use crate::mirrored::mirrored;
 use lumenscope_core::{
     glossy::{GlossyMethod, particles::light::ParticleLight},
     math::progress::Progress,
-    scene::world::World,
+    scene::{brdf::LobeShape, world::World},
     superposition::{PassSettings, accumulator::Accumulator, render},
 };
 
 /// The mirrored box, its glossy things wider, under a panel that shines; the layer `glossy` by particles.
-fn by_particles(count: u32) -> LightTransportSolution {
+fn by_particles(count: u32, shape: LobeShape) -> LightTransportSolution {
     let solution = mirrored();
     let mut scene = (*solution.scene).clone();
     scene.plan.glossy = Some(GlossyMethod::Particles);
     for material in &mut scene.materials {
         if material.is_glossy() {
-            material.roughness = 0.35;
+            (material.roughness, material.lobe_shape) = (0.35, shape);
         }
         if material.name == "panel" {
             material.emission = Vec3::new(40.0, 35.0, 30.0);
@@ -35,12 +35,16 @@ fn camera() -> Camera {
 fn particles_and_straight_light_are_the_specifications() {
     let Some(context) = context() else { return };
     let mut gpu = Gpu::new(context);
-    let solution = by_particles(30_000);
-    gpu.upload(&solution);
-    for direct in [DirectQuality::Elements, DirectQuality::PerPixel(8)] {
+    let solution = by_particles(30_000, LobeShape::Ggx);
+    let phong = by_particles(30_000, LobeShape::Phong);
+    let elements = DirectQuality::Elements;
+    for (solution, direct) in
+        [(&phong, elements), (&solution, elements), (&solution, DirectQuality::PerPixel(8))]
+    {
+        gpu.upload(solution);
         gpu.frame(&frame_settings(camera(), direct));
         let settings = PassSettings { direct, ..PassSettings::default() };
-        let (buffer, layers) = render(&solution, &camera(), SIZE[0], SIZE[1], &settings);
+        let (buffer, layers) = render(solution, &camera(), SIZE[0], SIZE[1], &settings);
         let which = [Layer::Mirror, Layer::Glossy];
         compare_layers("particles", &which, (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
     }
@@ -60,7 +64,7 @@ fn particles_and_straight_light_are_the_specifications() {
 fn particles_follow_a_dimmed_lamp_and_give_way_to_another_method() {
     let Some(context) = context() else { return };
     let mut gpu = Gpu::new(context);
-    let solution = by_particles(3_000);
+    let solution = by_particles(3_000, LobeShape::Ggx);
     gpu.upload(&solution);
     let mut layer = |solution: &LightTransportSolution| {
         gpu.upload(solution);

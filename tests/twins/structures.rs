@@ -90,7 +90,7 @@ fn structures_have_the_same_layout_on_both_sides() {
     );
     same_layout!(GLOSSY, "Texel", glossy_gpu::TexelInfo, radiance, nearness, coverage, reflector, padding);
     same_layout!(GLOSSY, "LevelInfo", glossy_gpu::LevelInfo, first, width, height, column, row, padding);
-    same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, alpha, entries, count, padding);
+    same_layout!(GLOSSY, "LobeTables", glossy_gpu::LobeTables, parameters, entries, count, padding);
     same_layout!(
         GLOSSY,
         "MeasuredReflector",
@@ -132,7 +132,7 @@ fn structures_have_the_same_layout_on_both_sides() {
         alpha,
         passes,
         solid,
-        padding
+        exponent
     );
     same_layout!(SHADE, "TextureInfo", tables::TextureInfo, first, width, height, padding);
     same_layout!(SHADE, "Node", tables::Node, low, count, high, first);

@@ -104,7 +104,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
         if !Reflectors::new(&Geometry::new(&scene))
             .list
             .iter()
-            .any(|r| scene.materials[r.material as usize].alpha().is_some_and(|alpha| alpha > 0.0))
+            .any(|r| scene.materials[r.material as usize].is_glossy())
         {
             bail!("{}: nothing flat is glossy", options.scene.display());
         }
@@ -198,7 +198,7 @@ impl Table<'_> {
 /// The scene with every glossy material's roughness replaced.
 fn with_roughness(scene: &Scene, roughness: f32) -> Scene {
     let mut scene = scene.clone();
-    for material in scene.materials.iter_mut().filter(|m| m.alpha().is_some_and(|a| a > 0.0)) {
+    for material in scene.materials.iter_mut().filter(|m| m.is_glossy()) {
         material.roughness = roughness;
     }
     scene

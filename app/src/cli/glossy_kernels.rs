@@ -14,7 +14,7 @@ use lumenscope_core::{
     },
     math::random::hash2,
     mirror::{pass::MirrorImage, reflectors::Reflectors, views::Eye},
-    scene::world::World,
+    scene::{brdf::Lobe, world::World},
 };
 use std::{fmt::Write as _, time::Instant};
 
@@ -41,6 +41,10 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let lens = Lens { eye: Eye::new(camera, size.x / size.y), size, subpixel: Vec2::splat(0.5) };
     let from_eye = point.position - camera.eye;
     let far = 0.5 / from_eye.length();
+    let glossy = |alpha| {
+        let lobe = Lobe::new(point.lobe.shape(), alpha);
+        GlossyPoint { from_eye, normal: point.normal, lobe }
+    };
     let picture = random_picture(options.size);
     println!(
         "one kernel over {width}x{height} pixels, what it mirrors as far behind the surface as the eye is before it, {} threads",
@@ -63,15 +67,14 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let mut table = String::from(
         "kernel,radius,direct_milliseconds,fourier_milliseconds,chosen,apart,white_error,forward_difference,level,level_milliseconds\n",
     );
-    let of_radius = RADII.iter().map(|&radius| (format!("radius {radius}"), 0.04, radius));
+    let of_radius = RADII.iter().map(|&radius| (format!("radius {radius}"), glossy(0.04), radius));
     let of_roughness = options.roughness.iter().map(|&roughness| {
-        let alpha = roughness * roughness;
-        let glossy = GlossyPoint { from_eye, normal: point.normal, alpha };
-        let support = LobeEntry::new(alpha, glossy.cos_theta()).support;
-        (format!("roughness {roughness}"), alpha, Kernel::wanted_radius(&lens, &glossy, far, support))
+        let glossy = glossy(roughness * roughness);
+        let support = LobeEntry::new(glossy.lobe, glossy.cos_theta()).support;
+        let radius = Kernel::wanted_radius(&lens, &glossy, far, support);
+        (format!("roughness {roughness}"), glossy, radius)
     });
-    for (name, alpha, radius) in of_radius.chain(of_roughness) {
-        let glossy = GlossyPoint { from_eye, normal: point.normal, alpha };
+    for (name, glossy, radius) in of_radius.chain(of_roughness) {
         let kernel = Kernel::on_level(&lens, &glossy, far, 0, radius);
         let [direct, fourier] = Way::ALL.map(|way| {
             let expected = way.milliseconds(picture.size, radius);

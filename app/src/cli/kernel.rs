@@ -79,6 +79,7 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
     let n = &view.numbers;
     let report = serde_json::json!({
         "at_m": view.point.position.to_array(),
+        "lobe": n.lobe.name(),
         "roughness": n.roughness,
         "view_degrees": n.view_degrees,
         "albedo": n.albedo,

@@ -64,8 +64,8 @@ pub fn run(options: &Options, common: &Common) -> anyhow::Result<()> {
                 .with_context(|| format!("--only {name}: there is no such example"))?,
         ),
     };
-    // What looks like the box: the tour shows its edges, or its texture.
-    let shown_by_tour = |e: &Example| matches!(e, Example::Quadtrees | Example::Ball);
+    // What looks like another: the tour shows its edges, its texture or its kernel.
+    let shown_by_tour = |e: &Example| matches!(e, Example::Quadtrees | Example::Ball | Example::Phong);
     let all = || Example::ALL.into_iter().filter(|e| !shown_by_tour(e)).collect();
     let wanted = only.map_or_else(all, |only| vec![only]);
     for example in wanted {

@@ -53,12 +53,13 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     if only.is_none() {
         tour.empty()?;
     }
-    let parts: [(Example, Scenes); 6] = [
+    let parts: [(Example, Scenes); 7] = [
         (Example::Office, Tour::office),
         (Example::Cornell, Tour::cornell),
         (Example::Quadtrees, Tour::quadtrees),
         (Example::Ball, Tour::ball),
         (Example::Teapot, Tour::teapot),
+        (Example::Phong, Tour::phong),
         (Example::House, Tour::house),
     ];
     for (_, part) in parts.into_iter().filter(|(example, _)| only.is_none_or(|only| only == *example)) {
@@ -293,11 +294,22 @@ impl Tour {
         self.view(|view| "L(D|S)*SE".clone_into(&mut view.paths));
         self.photograph("specular", GRAIN)?;
         self.view(|view| *view = View { camera: view.camera, ..View::default() });
+        self.kernel("kernel")
+    }
+
+    /// The same of Phong's lobe.
+    fn phong(&mut self) -> anyhow::Result<()> {
+        self.open(Example::Phong)?;
+        self.kernel("kernel_phong")
+    }
+
+    /// The kernel of a point of the table.
+    fn kernel(&mut self, name: &str) -> anyhow::Result<()> {
         self.view(|view| view.show(KERNEL, true));
         let viewport = self.harness.get_by_label("viewport").rect();
         self.harness.hover_at(viewport.lerp_inside(egui::vec2(0.35, 0.75)));
         self.wait("the kernel", |app| !app.is_busy())?;
-        self.photograph("kernel", GRAIN)?;
+        self.photograph(name, GRAIN)?;
         self.view(|view| view.show(KERNEL, false));
         Ok(())
     }

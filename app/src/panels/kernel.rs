@@ -11,7 +11,10 @@ use crate::{
     },
 };
 use egui::{RichText, Ui};
-use lumenscope_core::glossy::inspect::{KernelNumbers, KernelView};
+use lumenscope_core::{
+    glossy::inspect::{KernelNumbers, KernelView},
+    scene::brdf::LobeShape,
+};
 
 /// Height of the image and of the plots, points.
 const HEIGHT: f32 = 92.0;
@@ -87,7 +90,15 @@ pub fn rows(numbers: &KernelNumbers) -> Vec<Row> {
         ),
         Row::one("Distance", n.reach_m, "m", "How far away that is"),
         Row::one("Seen at", n.view_degrees, "°", "Angle between view and normal"),
-        Row::one("Roughness", n.roughness, "", "√α, as in glTF"),
+        Row::one(
+            match n.lobe.shape() {
+                LobeShape::Ggx => "Roughness, GGX",
+                LobeShape::Phong => "Roughness, Phong",
+            },
+            n.roughness,
+            "",
+            "√α, as in glTF; Phong's exponent is (1/α² − 1) / 2",
+        ),
         Row::one(
             "Lobe's albedo",
             n.albedo,

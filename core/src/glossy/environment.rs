@@ -102,7 +102,8 @@ pub struct Environment {
     pub size: [u32; 2],
     /// Radiance in cd/m² and distance in m, row by row from +y, columns from −z to +x.
     pub texels: Vec<Vec4>,
-    alpha: f32,
+    /// None of an ideal mirror.
+    lobe: Option<Lobe>,
     /// For each texel what its ray met, lit or not.
     ends: Arc<Vec<(f32, Option<End>)>>,
 }
@@ -123,7 +124,8 @@ struct Mapped {
     of: MapOwner,
     triangles: Vec<u32>,
     area: f32,
-    alpha: f32,
+    /// None of an ideal mirror.
+    lobe: Option<Lobe>,
     /// Normal of the only side that reflects, if it has one.
     side: Option<Vec3>,
 }
@@ -194,7 +196,8 @@ pub fn left_out(geometry: &Geometry) -> usize {
 /// mirrors, where there is another reflector to show it. And how many of them there is no room for.
 fn mapped(geometry: &Geometry) -> (Vec<Mapped>, usize) {
     let reflectors = Reflectors::new(geometry);
-    let alpha_of = |t: u32| geometry.material_of(t).alpha().unwrap_or(0.0);
+    let lobe_of = |t: u32| geometry.material_of(t).lobe();
+    let is_blurred = |t: u32| geometry.material_of(t).alpha().is_some_and(|alpha| alpha >= BLURRED_ALPHA);
     let mut curved: BTreeMap<MapOwner, Mapped> = BTreeMap::new();
     for t in 0..geometry.len() as u32 {
         if !geometry.material_of(t).is_specular() || reflectors.of(t) != NO_REFLECTOR {
@@ -202,22 +205,19 @@ fn mapped(geometry: &Geometry) -> (Vec<Mapped>, usize) {
         }
         let (object, material) = (geometry.object[t as usize], geometry.material[t as usize]);
         let of = MapOwner::Curved { object, material };
-        let (alpha, triangles) = (alpha_of(t), Vec::new());
-        let found = curved.entry(of).or_insert(Mapped { of, triangles, area: 0.0, alpha, side: None });
+        let (lobe, triangles) = (lobe_of(t), Vec::new());
+        let found = curved.entry(of).or_insert(Mapped { of, triangles, area: 0.0, lobe, side: None });
         found.area += 0.5 * geometry.area_normal(t).length();
         found.triangles.push(t);
     }
     let mut list: Vec<Mapped> = curved.into_values().collect();
     list.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.of.cmp(&b.of)));
-    let flat = reflectors
-        .list
-        .iter()
-        .filter(|r| reflectors.list.len() > 1 && alpha_of(r.triangles[0]) >= BLURRED_ALPHA);
+    let flat = reflectors.list.iter().filter(|r| reflectors.list.len() > 1 && is_blurred(r.triangles[0]));
     let flat = flat.map(|r| Mapped {
         of: MapOwner::Flat { triangle: r.triangles[0] },
         triangles: r.triangles.clone(),
         area: r.area,
-        alpha: alpha_of(r.triangles[0]),
+        lobe: lobe_of(r.triangles[0]),
         side: (!r.double_sided).then_some(r.normal),
     });
     let mut flat: Vec<Mapped> = flat.collect();
@@ -236,7 +236,7 @@ impl Environment {
         let (low, high) =
             corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         let rows = match reflector.of {
-            _ if reflector.alpha == 0.0 => ROWS[0],
+            _ if reflector.lobe.is_none() => ROWS[0],
             MapOwner::Curved { .. } => ROWS[1],
             MapOwner::Flat { .. } => ROWS[2],
         };
@@ -245,8 +245,8 @@ impl Environment {
             .into_par_iter()
             .map(|i| end(world, reflector, Ray::new(centre, texel_direction(i, size))))
             .collect();
-        let (of, alpha) = (reflector.of, reflector.alpha);
-        Self { of, centre, size, texels: Vec::new(), alpha, ends: Arc::new(ends) }
+        let (of, lobe) = (reflector.of, reflector.lobe);
+        Self { of, centre, size, texels: Vec::new(), lobe, ends: Arc::new(ends) }
     }
 
     /// Whether its middle is not within something else: whether less than half of what the rays met before its
@@ -280,11 +280,8 @@ impl Environment {
             })
             .collect();
         let sharp = Self { texels: sharp, ..self.clone() };
-        if self.alpha == 0.0 {
-            return sharp;
-        }
+        let Some(lobe) = self.lobe else { return sharp };
         // The lobe seen along the normal, F = 1, turned to each texel.
-        let lobe = Lobe::Ggx { alpha: self.alpha };
         let drawn = (0..directions.min(LOBE_DIRECTIONS)).filter_map(|i| {
             let wi = lobe.sample(Vec3::Z, Vec3::Z, r2_point(i, 5))?;
             let weight = lobe.value(Vec3::Z, wi, Vec3::Z) * wi.z / lobe.density(Vec3::Z, wi, Vec3::Z);
@@ -344,10 +341,10 @@ impl Environment {
         self.texel_at(along).truncate()
     }
 
-    /// What the reflector's lobe sends towards `wo`, cd/m²: F(θ) times the lobe's mean.
+    /// What the reflector's lobe sends towards `wo`, cd/m²: what it keeps of uniform light times the lobe's mean.
     pub fn reflected(&self, position: Vec3, normal: Vec3, wo: Vec3, specular: &Specular) -> Vec3 {
         let cosine = normal.dot(wo);
-        specular.reflectance(cosine) * self.radiance(position, 2.0 * cosine * normal - wo)
+        specular.of_uniform_light(cosine) * self.radiance(position, 2.0 * cosine * normal - wo)
     }
 }
 
@@ -399,7 +396,7 @@ fn light(world: &World, radiosity: &RadiositySolution, end: &End, before: Option
     let map = before.and_then(|maps| Some(&maps.list[maps.number(end.triangle)? as usize]));
     let lobe = brdf.specular.map_or(Vec3::ZERO, |s| match map {
         Some(map) => map.reflected(surface.position, surface.normal, -end.direction, &s),
-        None => s.reflectance(-end.direction.dot(surface.normal)) * e * FRAC_1_PI,
+        None => s.of_uniform_light(-end.direction.dot(surface.normal)) * e * FRAC_1_PI,
     });
     end.left * (world.geometry.emission(&surface) + brdf.diffuse * e * FRAC_1_PI + lobe)
 }

@@ -8,7 +8,7 @@ use super::{
     GlossyMethod,
     invariant::WIDEST,
     lobes::ANGLES,
-    pass::{Lobes, MOST_LOBES},
+    pass::{Lobes, MOST_LOBES, key},
     pyramid::{MOST_LEVELS, level_size},
 };
 use crate::{
@@ -65,8 +65,8 @@ pub struct LevelInfo {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LobeTables {
-    /// Width α of each lobe in x.
-    pub alpha: [Vec4; MOST_LOBES],
+    /// [`crate::scene::brdf::Lobe::parameters`] of each lobe in x and y.
+    pub parameters: [Vec4; MOST_LOBES],
     /// Albedo, cosine for the coat, cosine for the metal, support: by lobe, then by cos θ.
     pub entries: [Vec4; MOST_LOBES * ANGLES],
     /// Lobes there are.
@@ -80,7 +80,8 @@ impl LobeTables {
     pub fn new(lobes: &Lobes) -> Self {
         let mut tables = Self { count: lobes.len().min(MOST_LOBES) as u32, ..Self::zeroed() };
         for (i, lobe) in lobes.values().take(MOST_LOBES).enumerate() {
-            tables.alpha[i].x = lobe.alpha;
+            let [alpha, exponent] = lobe.lobe.parameters();
+            tables.parameters[i] = Vec4::new(alpha, exponent, 0.0, 0.0);
             for (k, e) in lobe.entries.iter().enumerate() {
                 tables.entries[i * ANGLES + k] =
                     Vec4::new(e.albedo, e.coat_cosine, e.metal_cosine, e.support);
@@ -120,8 +121,8 @@ impl MeasuredReflector {
         rectangle: [u32; 4],
     ) -> Option<Self> {
         let material = scene.reflectors().list[view.reflector as usize].material;
-        let alpha = scene.solution()?.world.geometry.materials[material as usize].alpha()?;
-        let lobe = scene.lobes().keys().take(MOST_LOBES).position(|bits| *bits == alpha.to_bits())?;
+        let own = key(scene.solution()?.world.geometry.materials[material as usize].lobe()?);
+        let lobe = scene.lobes().keys().take(MOST_LOBES).position(|key| *key == own)?;
         Some(Self {
             normal: view.clip_normal,
             height: view.clip_offset - view.clip_normal.dot(eye.position),

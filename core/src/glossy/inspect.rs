@@ -3,7 +3,7 @@
 use super::{inspect_point::KernelPoint, lobes::LobeEntry};
 use crate::{
     inspection::{ColouredMesh, Curve, InspectionScene, Legend, Line, NamedImage},
-    scene::{accel::Ray, geometry::offset_origin, world::World},
+    scene::{accel::Ray, brdf::Lobe, geometry::offset_origin, world::World},
 };
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -19,6 +19,8 @@ const FAINT: f32 = 0.05;
 /// What a kernel asks of the light that it convolves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelNumbers {
+    /// The lobe.
+    pub lobe: Lobe,
     /// glTF's roughness, √α.
     pub roughness: f32,
     /// Angle between view and normal, °.
@@ -67,7 +69,7 @@ impl KernelView {
     /// A spectrum with nothing above f cycles a radian needs 2 f samples a radian of what it convolves.
     pub fn new(world: &World, point: KernelPoint, eye: Vec3) -> Self {
         let geometry = &world.geometry;
-        let entry = LobeEntry::new(point.alpha, point.wo.dot(point.normal));
+        let entry = LobeEntry::new(point.lobe, point.wo.dot(point.normal));
         let support = point.support();
         let axes = point.axes();
         // Not the mirrored direction's: at grazing angles f cos is larger beside it.
@@ -128,7 +130,8 @@ impl KernelView {
         scene.images.push(NamedImage { name: "kernel over slopes".into(), image });
         scene.curves.push(lobe_curve(&point, &axes, support));
         let numbers = KernelNumbers {
-            roughness: point.alpha.sqrt(),
+            lobe: point.lobe,
+            roughness: point.lobe.alpha().sqrt(),
             view_degrees: point.wo.dot(point.normal).clamp(-1.0, 1.0).acos().to_degrees(),
             albedo: entry.albedo,
             support_degrees: support.atan().to_degrees(),
@@ -151,8 +154,9 @@ impl KernelView {
             names: &[],
         });
         scene.notes.push(format!(
-            "roughness {:.2}, seen at {:.0}°: 95 % of the lobe within {:.1}° of the mirrored direction, which meets \
+            "{} of roughness {:.2}, seen at {:.0}°: 95 % of the lobe within {:.1}° of the mirrored direction, which meets \
              something at {reach:.2} m; nothing above {:.1} cycles a radian, so a sample every {:.2}° is enough",
+            numbers.lobe.name(),
             numbers.roughness,
             numbers.view_degrees,
             numbers.support_degrees,

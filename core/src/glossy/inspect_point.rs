@@ -32,8 +32,8 @@ pub struct KernelPoint {
     pub geometric_normal: Vec3,
     /// Unit direction to the eye.
     pub wo: Vec3,
-    /// Width α of its lobe.
-    pub alpha: f32,
+    /// Its lobe.
+    pub lobe: Lobe,
 }
 
 impl KernelPoint {
@@ -45,10 +45,8 @@ impl KernelPoint {
         eye: Vec3,
         place: Option<Vec3>,
     ) -> Option<Self> {
-        let glossy = |r: &&Reflector| {
-            let alpha = geometry.materials[r.material as usize].alpha();
-            alpha.is_some_and(|a| a > 0.0) && r.facing(eye).is_some()
-        };
+        let lobe = |r: &Reflector| geometry.materials[r.material as usize].lobe();
+        let glossy = |r: &&Reflector| lobe(r).is_some() && r.facing(eye).is_some();
         let nearest_on = |r: &Reflector, p: Vec3| {
             let on = |&t: &u32| nearest_in(p, geometry.positions[t as usize]);
             r.triangles.iter().map(on).min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)))
@@ -70,7 +68,7 @@ impl KernelPoint {
             normal,
             geometric_normal: normal,
             wo: (eye - position).normalize_or(reflector.normal),
-            alpha: geometry.materials[reflector.material as usize].alpha()?,
+            lobe: lobe(reflector)?,
         })
     }
 
@@ -81,8 +79,8 @@ impl KernelPoint {
             geometry.brdf(surface).specular.filter(|s| !s.is_mirror() && geometry.is_lit(surface))?;
         let wo = (eye - surface.position).normalize_or(surface.normal);
         let &Surface { position, normal, geometric_normal, .. } = surface;
-        let alpha = specular.alpha;
-        (normal.dot(wo) > 0.0).then_some(Self { position, normal, geometric_normal, wo, alpha })
+        let lobe = specular.lobe();
+        (normal.dot(wo) > 0.0).then_some(Self { position, normal, geometric_normal, wo, lobe })
     }
 
     /// Whether light from a direction arrives from outside of the surface and its lobe takes any of it.
@@ -100,12 +98,12 @@ impl KernelPoint {
     /// f cos θᵢ with F = 1 in the direction of a slope about the mirrored one.
     pub(super) fn value(&self, axes: &Mat3, slope: Vec2) -> f32 {
         let wi = (*axes * slope.extend(1.0)).normalize();
-        Lobe::Ggx { alpha: self.alpha }.value(self.normal, wi, self.wo) * wi.dot(self.normal).max(0.0)
+        self.lobe.value(self.normal, wi, self.wo) * wi.dot(self.normal).max(0.0)
     }
 
     /// Slope tan β that its light comes from within.
     pub fn support(&self) -> f32 {
-        LobeEntry::new(self.alpha, self.wo.dot(self.normal)).support.min(8.0)
+        LobeEntry::new(self.lobe, self.wo.dot(self.normal)).support.min(8.0)
     }
 
     /// The kernel over slopes from −`support` to `support`, in the plane of incidence to the right, its peak 1.

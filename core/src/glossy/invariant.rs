@@ -16,7 +16,7 @@ use super::{
     kernel::{GlossyPoint, Lens},
     pyramid::{Level, Pyramid, around},
 };
-use crate::math::image::LinearImage;
+use crate::{math::image::LinearImage, scene::brdf::Lobe};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -78,11 +78,11 @@ impl Measure {
     }
 
     /// The mean point, and the nearness of what it mirrors, 1/m; `None` of nothing.
-    pub fn mean(&self, normal: Vec3, alpha: f32) -> Option<(GlossyPoint, f32)> {
+    pub fn mean(&self, normal: Vec3, lobe: Lobe) -> Option<(GlossyPoint, f32)> {
         let count = self.count as f32;
         let from_eye = self.from_eye / count;
         let nearness = (1.0 - self.share / count) / from_eye.length();
-        (self.count > 0).then_some((GlossyPoint { from_eye, normal, alpha }, nearness))
+        (self.count > 0).then_some((GlossyPoint { from_eye, normal, lobe }, nearness))
     }
 }
 

@@ -10,8 +10,8 @@ pub struct GlossyPoint {
     pub from_eye: Vec3,
     /// Unit normal of the reflector on the side seen.
     pub normal: Vec3,
-    /// Its lobe's width α.
-    pub alpha: f32,
+    /// Its lobe.
+    pub lobe: Lobe,
 }
 
 /// What the weights of all points of a picture share.
@@ -77,7 +77,7 @@ impl GlossyPoint {
             return 0.0;
         }
         let wo = -self.from_eye.normalize();
-        Lobe::Ggx { alpha: self.alpha }.value(self.normal, wi, wo) * cos_i / squared.max(least * least)
+        self.lobe.value(self.normal, wi, wo) * cos_i / squared.max(least * least)
     }
 
     /// Radius of the kernel in pixels for what lies at 1/`nearness` on the unfolded ray: a lobe of slope tan β

@@ -37,11 +37,10 @@ pub struct LobeEntry {
 }
 
 impl LobeEntry {
-    /// A lobe of width α seen at an angle with this cosine; the same bytes on every run.
-    pub fn new(alpha: f32, cos_theta: f32) -> Self {
+    /// A lobe seen at an angle with this cosine; the same bytes on every run.
+    pub fn new(lobe: Lobe, cos_theta: f32) -> Self {
         let wo = Vec3::new((1.0 - cos_theta * cos_theta).max(0.0).sqrt(), 0.0, cos_theta);
         let mirrored = Vec3::new(-wo.x, 0.0, wo.z);
-        let lobe = Lobe::Ggx { alpha };
         let (mut albedo, mut coat, mut angle) = (0.0f64, 0.0f64, 0.0f64);
         let mut slopes: Vec<(f32, f32)> = Vec::new();
         for i in 0..DRAWN {
@@ -78,21 +77,21 @@ impl LobeEntry {
     }
 }
 
-/// A GGX lobe at every angle.
+/// A lobe at every angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LobeTable {
-    /// Width α.
-    pub alpha: f32,
+    /// The lobe.
+    pub lobe: Lobe,
     /// By cos θ, [`ANGLES`] of them.
     pub entries: Vec<LobeEntry>,
 }
 
 impl LobeTable {
     /// Tabulates a lobe; the same bytes on every run.
-    pub fn new(alpha: f32) -> Self {
+    pub fn new(lobe: Lobe) -> Self {
         let entries =
-            (0..ANGLES).map(|i| LobeEntry::new(alpha, (i as f32 / (ANGLES - 1) as f32).max(0.01))).collect();
-        Self { alpha, entries }
+            (0..ANGLES).map(|i| LobeEntry::new(lobe, (i as f32 / (ANGLES - 1) as f32).max(0.01))).collect();
+        Self { lobe, entries }
     }
 
     /// Between the entries around a cosine. Has a twin in `shaders/glossy/convolve.wgsl`.

@@ -15,34 +15,34 @@ use crate::{
         reflectors::{NO_REFLECTOR, Reflectors},
         views::Eye,
     },
-    scene::{camera::Camera, world::World},
+    scene::{brdf::Lobe, camera::Camera, world::World},
     superposition::{gbuffer::GBuffer, pass::PassSettings},
 };
 use glam::{UVec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Widths of lobes that are told apart, at most; what has another reflects unblurred.
+/// Lobes that are told apart, at most; what has another reflects unblurred.
 pub const MOST_LOBES: usize = 16;
 
-/// Lobes of the glossy reflectors, by the bits of α.
-pub type Lobes = BTreeMap<u32, LobeTable>;
+/// Lobes of the glossy reflectors, by [`key`].
+pub type Lobes = BTreeMap<[u32; 2], LobeTable>;
+
+/// What tells a lobe from others: the bits of its parameters.
+pub fn key(lobe: Lobe) -> [u32; 2] {
+    lobe.parameters().map(f32::to_bits)
+}
 
 /// The lobes of all glossy reflectors; those that are known already are taken over.
 pub fn lobes(world: &World, reflectors: &Reflectors, known: &Lobes) -> Lobes {
-    let alphas = reflectors
-        .list
-        .iter()
-        .filter_map(|r| world.geometry.materials[r.material as usize].alpha().filter(|alpha| *alpha > 0.0));
+    let all = reflectors.list.iter().filter_map(|r| world.geometry.materials[r.material as usize].lobe());
     let mut lobes = Lobes::new();
-    for alpha in alphas {
-        let bits = alpha.to_bits();
-        if lobes.len() >= MOST_LOBES && !lobes.contains_key(&bits) {
+    for lobe in all {
+        let key = key(lobe);
+        if lobes.len() >= MOST_LOBES && !lobes.contains_key(&key) {
             continue;
         }
-        lobes
-            .entry(bits)
-            .or_insert_with(|| known.get(&bits).cloned().unwrap_or_else(|| LobeTable::new(alpha)));
+        lobes.entry(key).or_insert_with(|| known.get(&key).cloned().unwrap_or_else(|| LobeTable::new(lobe)));
     }
     lobes
 }
@@ -105,7 +105,7 @@ impl<'a> GlossyFrame<'a> {
         let lobe = self.lobe(reflector)?;
         let normal = self.reflectors.list[reflector as usize].facing(self.lens.eye.position)?;
         let from_eye = self.buffer.position[pixel] - self.lens.eye.position;
-        Some((GlossyPoint { from_eye, normal, alpha: lobe.alpha }, lobe))
+        Some((GlossyPoint { from_eye, normal, lobe: lobe.lobe }, lobe))
     }
 
     /// Radiance that a glossy pixel reflects of the mean that arrives within its lobe: E(θ) F(θ̄) L; black where it is
@@ -130,7 +130,7 @@ impl<'a> GlossyFrame<'a> {
     /// The lobe of a reflector; `None` of a mirror, and of one too many.
     fn lobe(&self, reflector: u32) -> Option<&LobeTable> {
         let material = self.reflectors.list.get(reflector as usize)?.material;
-        self.lobes.get(&self.world.geometry.materials[material as usize].alpha()?.to_bits())
+        self.lobes.get(&key(self.world.geometry.materials[material as usize].lobe()?))
     }
 
     /// Radiance that arrives within the lobe of each pixel, cd/m², before the reflectance; as the mirror image
@@ -292,7 +292,7 @@ impl<'a> GlossyFrame<'a> {
             }
         }
         let (normal, table) = lobe?;
-        let (point, nearness) = measure.mean(normal, table.alpha)?;
+        let (point, nearness) = measure.mean(normal, table.lobe)?;
         Some((point, nearness, table.at(point.cos_theta()).support))
     }
 }

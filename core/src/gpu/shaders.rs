@@ -95,7 +95,7 @@ pub const GLOSSY: Program = Program {
         wgsl!("mirror/views.wgsl"),
         wgsl!("mirror/state.wgsl"),
         wgsl!("glossy/lobes.wgsl"),
-        wgsl!("glossy/ggx.wgsl"),
+        wgsl!("glossy/lobe.wgsl"),
         wgsl!("glossy/pyramid.wgsl"),
         wgsl!("glossy/convolve.wgsl"),
         wgsl!("glossy/invariant.wgsl"),
@@ -107,7 +107,7 @@ pub const GLOSSY: Program = Program {
 pub const PARTICLES: Program = Program {
     name: "particles",
     begins: SHADING,
-    files: &[wgsl!("glossy/ggx.wgsl"), wgsl!("glossy/particles.wgsl")],
+    files: &[wgsl!("glossy/lobe.wgsl"), wgsl!("glossy/particles.wgsl")],
 };
 
 /// From layers to display.

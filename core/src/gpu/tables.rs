@@ -88,8 +88,8 @@ pub struct MaterialInfo {
     pub passes: f32,
     /// Whether it bounds a solid, and is not a pane.
     pub solid: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// Exponent of Phong's lobe, 0 of GGX.
+    pub exponent: f32,
 }
 
 /// `TextureInfo` of `shaders/shared/scene.wgsl`.
@@ -234,7 +234,7 @@ pub fn materials(geometry: &Geometry) -> Vec<MaterialInfo> {
             alpha: m.alpha().unwrap_or(-1.0),
             passes: m.passes(),
             solid: m.solid.into(),
-            padding: 0,
+            exponent: m.lobe().map_or(0.0, |lobe| lobe.parameters()[1]),
         })
         .collect()
 }

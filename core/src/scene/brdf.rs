@@ -1,7 +1,7 @@
 //! Reflection at a point: a Lambertian part and at most one specular lobe, evaluated and sampled.
 //!
 //! The lobe is GGX microfacets with Smith's height-correlated shadowing, as glTF's metallic–roughness
-//! model asks for, or none but the direction itself on an ideal mirror. What a dielectric coat reflects
+//! model asks for, Phong's where a scene asks for that, or none but the direction itself on an ideal mirror. What a dielectric coat reflects
 //! is taken from the Lambertian part beneath by its hemispherical mean, not by angle: then that part
 //! stays Lambertian, which radiosity is built on, and energy holds for uniform light; seen at a grazing
 //! angle, a bright coated surface may return up to its diffuse reflectance too much.
@@ -36,8 +36,10 @@ pub struct Specular {
     pub dielectric: f32,
     /// From where the coat is met.
     pub side: Side,
-    /// Width α of the GGX distribution; 0 is an ideal mirror.
+    /// Width α of its lobe, GGX's; 0 is an ideal mirror.
     pub alpha: f32,
+    /// What lobe that is.
+    pub shape: LobeShape,
 }
 
 impl Specular {
@@ -52,6 +54,20 @@ impl Specular {
         let coat = self.side.reflectance(self.dielectric, coat_cosine);
         self.metallic * fresnel::reflectance_rgb(self.metal, metal_cosine)
             + Vec3::splat((1.0 - self.metallic) * coat)
+    }
+
+    /// Its lobe by itself; of no meaning for an ideal mirror.
+    pub fn lobe(&self) -> Lobe {
+        Lobe::new(self.shape, self.alpha)
+    }
+
+    /// Share of uniform light that it reflects along a direction with this cosine, where lobes are not tabulated:
+    /// F(θ), of Phong's lobe F(θ) cos θ. That is E(θ) of a lobe that the horizon does not cut: ∫ f cos θᵢ dω with the mean
+    /// of its directions, (n + 1)/(n + 2) of the mirrored one. What GGX loses to its own shadowing is left out. Has a
+    /// twin in `shaders/shared/reflection.wgsl`.
+    pub fn of_uniform_light(&self, cos_theta: f32) -> Vec3 {
+        let kept = if self.shape == LobeShape::Phong && !self.is_mirror() { cos_theta } else { 1.0 };
+        kept * self.reflectance(cos_theta)
     }
 
     /// Whether it is an ideal mirror: all light goes into one direction.
@@ -98,7 +114,7 @@ impl Brdf {
         }
         let lobe = self.specular.filter(|s| !s.is_mirror()).map_or(Vec3::ZERO, |s| {
             let h = (wi + wo).normalize_or_zero();
-            s.reflectance(wo.dot(h)) * Lobe::Ggx { alpha: s.alpha }.value(normal, wi, wo)
+            s.reflectance(wo.dot(h)) * s.lobe().value(normal, wi, wo)
         });
         [self.diffuse * FRAC_1_PI, lobe]
     }
@@ -118,7 +134,7 @@ impl Brdf {
         }
         let share = self.specular_share(co);
         let lobe = self.specular.filter(|s| !s.is_mirror());
-        let lobe = lobe.map_or(0.0, |s| Lobe::Ggx { alpha: s.alpha }.density(normal, wi, wo));
+        let lobe = lobe.map_or(0.0, |s| s.lobe().density(normal, wi, wo));
         share * lobe + (1.0 - share) * ci * FRAC_1_PI
     }
 
@@ -140,7 +156,7 @@ impl Brdf {
             });
         }
         let wi = match by_lobe {
-            Some(s) => Lobe::Ggx { alpha: s.alpha }.sample(normal, wo, u)?,
+            Some(s) => s.lobe().sample(normal, wo, u)?,
             None => frame_from_normal(normal) * cosine_direction(u),
         };
         let density = self.density(normal, wi, wo);
@@ -153,6 +169,16 @@ impl Brdf {
             density,
         })
     }
+}
+
+/// What lobe a glossy surface has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LobeShape {
+    /// [`Lobe::Ggx`].
+    #[default]
+    Ggx,
+    /// [`Lobe::Phong`].
+    Phong,
 }
 
 /// A lobe by itself, as of a surface that absorbs nothing: F = 1.
@@ -171,6 +197,47 @@ pub enum Lobe {
 }
 
 impl Lobe {
+    /// A lobe of a width α, GGX's. Phong's is as wide with the exponent n = (1/α² − 1) / 2: a quarter of that of half
+    /// vectors, 2/α² − 2 (Walter et al. 2007, §5.2), since directions turn twice as far.
+    pub fn new(shape: LobeShape, alpha: f32) -> Self {
+        match shape {
+            LobeShape::Ggx => Self::Ggx { alpha },
+            LobeShape::Phong => Self::Phong { exponent: 0.5 * (1.0 / (alpha * alpha) - 1.0) },
+        }
+    }
+
+    /// Its shape.
+    pub fn shape(self) -> LobeShape {
+        match self {
+            Self::Ggx { .. } => LobeShape::Ggx,
+            Self::Phong { .. } => LobeShape::Phong,
+        }
+    }
+
+    /// Name on screen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ggx { .. } => "GGX",
+            Self::Phong { .. } => "Phong",
+        }
+    }
+
+    /// Width α.
+    pub fn alpha(self) -> f32 {
+        match self {
+            Self::Ggx { alpha } => alpha,
+            Self::Phong { exponent } => 1.0 / (2.0 * exponent + 1.0).sqrt(),
+        }
+    }
+
+    /// Width α of GGX, exponent of Phong's; the other is 0. As shaders tell lobes apart.
+    pub fn parameters(self) -> [f32; 2] {
+        match self {
+            Self::Ggx { alpha } => [alpha, 0.0],
+            Self::Phong { exponent } => [0.0, exponent],
+        }
+    }
+
     /// Value f, 1/sr; zero below the surface.
     pub fn value(self, normal: Vec3, wi: Vec3, wo: Vec3) -> f32 {
         let (ci, co) = (normal.dot(wi), normal.dot(wo));
@@ -184,8 +251,7 @@ impl Lobe {
                 ggx(normal, h, alpha) * g / (4.0 * ci * co)
             }
             Self::Phong { exponent } => {
-                let c = mirrored(wo, normal).dot(wi);
-                if c > 0.0 { (exponent + 2.0) / TAU * c.powf(exponent) } else { 0.0 }
+                (exponent + 2.0) / TAU * cosine_power(mirrored(wo, normal), wi, exponent)
             }
         }
     }
@@ -202,8 +268,7 @@ impl Lobe {
                 ggx(normal, h, alpha) / ((1.0 + smith(co, alpha)) * 4.0 * co)
             }
             Self::Phong { exponent } => {
-                let c = mirrored(wo, normal).dot(wi);
-                if c > 0.0 { (exponent + 1.0) / TAU * c.powf(exponent) } else { 0.0 }
+                (exponent + 1.0) / TAU * cosine_power(mirrored(wo, normal), wi, exponent)
             }
         }
     }
@@ -232,8 +297,9 @@ impl Lobe {
                 2.0 * wo.dot(h) * h - wo
             }
             Self::Phong { exponent } => {
-                let c = u.x.powf(1.0 / (exponent + 1.0));
-                let s = (1.0 - c * c).max(0.0).sqrt();
+                // ln of the cosine; 1 − cos² of a narrow lobe would be rounding.
+                let ln = u.x.max(f32::MIN_POSITIVE).ln() / (exponent + 1.0);
+                let (c, s) = (ln.exp(), (-(2.0 * ln).exp_m1()).max(0.0).sqrt());
                 let (sin, cos) = (TAU * u.y).sin_cos();
                 frame_from_normal(mirrored(wo, normal)) * Vec3::new(s * cos, s * sin, c)
             }
@@ -252,6 +318,17 @@ fn ggx(normal: Vec3, h: Vec3, alpha: f32) -> f32 {
     let a2 = alpha * alpha;
     let d = cos * cos * a2 + normal.cross(h).length_squared();
     a2 / (PI * d * d)
+}
+
+/// cosⁿ of the angle between two directions, 0 beyond a right one; narrow lobes by the sine, as in [`ggx`].
+fn cosine_power(a: Vec3, b: Vec3, exponent: f32) -> f32 {
+    let cos = a.dot(b);
+    if cos <= 0.0 {
+        return 0.0;
+    }
+    let sin2 = a.cross(b).length_squared();
+    let ln = if sin2 < 0.5 { 0.5 * (-sin2).ln_1p() } else { cos.ln() };
+    (exponent * ln).exp()
 }
 
 /// Smith's Λ of GGX: (√(1 + α² tan² θ) − 1) / 2.

@@ -24,6 +24,8 @@ pub struct SceneFile {
     pub area_lamps: Vec<AreaLampEntry>,
     /// Names of objects that may be dragged; `*` at the end matches any rest of a name.
     pub movable: Vec<String>,
+    /// Names of materials whose lobe is Phong's instead of GGX's, as wide; `*` as there.
+    pub phong: Vec<String>,
     /// First view; without one the camera of the model file, or one that frames everything.
     pub camera: Option<Camera>,
     /// Planes on which illuminance is measured.

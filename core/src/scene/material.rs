@@ -1,7 +1,7 @@
 //! Surface materials: what they reflect and what they emit.
 
 use super::{
-    brdf::{Brdf, Specular},
+    brdf::{Brdf, Lobe, LobeShape, Specular},
     fresnel,
     glass::{Glass, Side},
 };
@@ -34,6 +34,8 @@ pub struct Material {
     pub emission_texture: Option<usize>,
     /// glTF roughness, the square root of GGX α.
     pub roughness: f32,
+    /// What lobe it has where it is glossy.
+    pub lobe_shape: LobeShape,
     /// glTF metallic factor.
     pub metallic: f32,
     /// Index of refraction of the coat of what is no metal (KHR_materials_ior).
@@ -55,6 +57,7 @@ impl Default for Material {
             emission: Vec3::ZERO,
             emission_texture: None,
             roughness: 1.0,
+            lobe_shape: LobeShape::Ggx,
             metallic: 0.0,
             ior: 1.5,
             transmission: 0.0,
@@ -93,6 +96,11 @@ impl Material {
         self.is_specular().then_some(alpha)
     }
 
+    /// Its specular lobe, if it has one that is no ideal mirror's.
+    pub fn lobe(&self) -> Option<Lobe> {
+        self.alpha().filter(|alpha| *alpha > 0.0).map(|alpha| Lobe::new(self.lobe_shape, alpha))
+    }
+
     /// Normal reflectance of the coat of what is no metal.
     pub fn coat_reflectance(&self) -> f32 {
         fresnel::normal_reflectance(self.ior)
@@ -115,7 +123,7 @@ impl Material {
 
     /// Whether it has a specular lobe that is no ideal mirror's.
     pub fn is_glossy(&self) -> bool {
-        self.alpha().is_some_and(|alpha| alpha > 0.0)
+        self.lobe().is_some()
     }
 
     /// What its front does to light where its base colour is this.
@@ -127,6 +135,7 @@ impl Material {
             dielectric: self.coat_reflectance(),
             side,
             alpha,
+            shape: self.lobe_shape,
         });
         let glass = self.is_glass().then(|| Glass {
             tint: base * self.passes(),

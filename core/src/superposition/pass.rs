@@ -16,7 +16,7 @@ use super::{
 use crate::{
     glossy::{
         GlossyMethod, particles,
-        pass::{GlossyFrame, Lobes, lobes},
+        pass::{GlossyFrame, Lobes, key, lobes},
     },
     math::{
         part::Part,
@@ -155,12 +155,12 @@ fn reflect(frame: &GlossyFrame, shading: &Shading, camera: &Camera, shaded: &mut
         let Some(specular) = world.geometry.brdf(&surface).specular else { return };
         let wo = (camera.eye - surface.position).normalize_or(surface.normal);
         let cos_theta = wo.dot(surface.geometric_normal);
-        let (layer, share) = match frame.lobes.get(&specular.alpha.to_bits()) {
+        let (layer, share) = match frame.lobes.get(&key(specular.lobe())) {
             Some(lobe) if method != GlossyMethod::Sharp => {
                 (Layer::Glossy, lobe.modulation(&specular, cos_theta))
             }
             _ if specular.is_mirror() => (Layer::Mirror, specular.reflectance(cos_theta)),
-            _ => (Layer::Glossy, specular.reflectance(cos_theta)),
+            _ => (Layer::Glossy, specular.of_uniform_light(cos_theta)),
         };
         out[layer as usize] = share * radiance[pixel];
     });
@@ -263,7 +263,7 @@ impl<'a> Shading<'a> {
                 return (map.reflected(surface.position, surface.normal, wo, &s), s.is_mirror());
             }
             let all = stored(Part::Direct) + stored(Part::Indirect);
-            (s.reflectance(wo.dot(surface.normal)) * FRAC_1_PI * all, s.is_mirror())
+            (s.of_uniform_light(wo.dot(surface.normal)) * FRAC_1_PI * all, s.is_mirror())
         });
         if brdf.diffuse == Vec3::ZERO {
             return SeenTerms { emitted, wide, is_mirror, ..SeenTerms::default() };

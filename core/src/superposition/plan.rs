@@ -11,11 +11,15 @@ mod component;
 pub use component::{Component, ExpectedError, PlanLine};
 
 use crate::{
-    glossy::{GlossyMethod, environment, particles::light, pass::MOST_LOBES},
+    glossy::{
+        GlossyMethod, environment,
+        particles::light,
+        pass::{MOST_LOBES, key},
+    },
     irradiance_volume::VolumeSettings,
     mirror::{MOST_VIEWS, MirrorSettings, images::MirrorImages, reflectors::Reflectors},
     radiosity::{RadiositySettings, subdivide::Subdivision, surface_map::ElementLayout},
-    scene::{Scene, emitters::Emitter, file::PlanOverrides, world::World},
+    scene::{Scene, brdf::Lobe, emitters::Emitter, file::PlanOverrides, world::World},
     transport::live::SolveSettings,
 };
 use std::collections::BTreeSet;
@@ -252,13 +256,10 @@ impl Needs<'_> {
             };
         }
         let reflectors = Reflectors::new(&self.world.geometry);
-        let alpha_of = |material: u32| {
-            let alpha = self.world.geometry.materials[material as usize].alpha();
-            alpha.filter(|alpha| *alpha > 0.0)
-        };
-        let alphas: Vec<f32> = reflectors.list.iter().filter_map(|r| alpha_of(r.material)).collect();
-        let flat = alphas.len();
-        let widths: BTreeSet<u32> = alphas.iter().map(|alpha| alpha.to_bits()).collect();
+        let lobe_of = |material: u32| self.world.geometry.materials[material as usize].lobe();
+        let lobes: Vec<Lobe> = reflectors.list.iter().filter_map(|r| lobe_of(r.material)).collect();
+        let flat = lobes.len();
+        let several: BTreeSet<[u32; 2]> = lobes.into_iter().map(key).collect();
         let method = self.over.glossy.unwrap_or_default();
         let used = flat > 0 && method != GlossyMethod::Sharp && MirrorSettings::of(self.over).depth > 0;
         let words = if used { method.words().into() } else { String::new() };
@@ -266,8 +267,8 @@ impl Needs<'_> {
             0 => "nothing flat is glossy: no convolution".into(),
             n => format!("{} of rough polished material", counted(n, "flat reflector")),
         };
-        if widths.len() > MOST_LOBES {
-            reason += &format!("; of {} widths of lobes {MOST_LOBES} are blurred", widths.len());
+        if several.len() > MOST_LOBES {
+            reason += &format!("; of {} lobes {MOST_LOBES} are blurred", several.len());
         }
         if self.world.geometry.is_specular() {
             let depth = environment::depth_of(self.over) as usize;

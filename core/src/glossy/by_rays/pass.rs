@@ -17,7 +17,7 @@ use crate::{
     reference::stream_seed,
     scene::{
         accel::Ray,
-        brdf::{Lobe, Specular},
+        brdf::Specular,
         camera::Camera,
         geometry::{Surface, offset_origin},
     },
@@ -73,7 +73,7 @@ fn by_rays(
     let mut rng = Rng::new(stream_seed(settings.seed, item), item);
     let normal = surface.geometric_normal;
     let wo = (frame.lens.eye.position - surface.position).normalize_or(normal);
-    let lobe = Lobe::Ggx { alpha: specular.alpha };
+    let lobe = specular.lobe();
     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
     let (mut hidden, mut all) = (0.0f64, 0.0f64);
     for ray in 0..rays {

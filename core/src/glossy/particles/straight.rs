@@ -10,8 +10,8 @@
 use crate::{
     math::random::{hash, r2_point},
     scene::{
-        accel::Ray, brdf::Lobe, direct::Receiver, emitters::Emitter, geometry::Surface,
-        light_sample::LightSample, world::World,
+        accel::Ray, direct::Receiver, emitters::Emitter, geometry::Surface, light_sample::LightSample,
+        world::World,
     },
 };
 use glam::Vec3;
@@ -24,7 +24,7 @@ const LOBE_SCRAMBLE: u32 = 0x51ED_270B;
 pub fn straight_light(world: &World, surface: &Surface, wo: Vec3, samples: u32, scramble: u32) -> Vec3 {
     let brdf = world.geometry.brdf(surface);
     let Some(specular) = brdf.specular.filter(|s| !s.is_mirror()) else { return Vec3::ZERO };
-    let lobe = Lobe::Ggx { alpha: specular.alpha };
+    let lobe = specular.lobe();
     let (receiver, normal) = (Receiver::of(surface), surface.normal);
     let rises = |wi: Vec3| surface.geometric_normal.dot(wi) > 0.0;
     let value = |wi: Vec3| brdf.value(normal, wi, wo)[1] * normal.dot(wi);

@@ -3,7 +3,10 @@
 use super::{accessor, gltf::uri_bytes, model::Model, picture};
 use crate::{
     math::image::LinearImage,
-    scene::material::{DIFFUSE_ROUGHNESS, MIRROR_ROUGHNESS, Material, Texture},
+    scene::{
+        brdf::LobeShape,
+        material::{DIFFUSE_ROUGHNESS, MIRROR_ROUGHNESS, Material, Texture},
+    },
 };
 use ::gltf::{
     Document,
@@ -100,6 +103,7 @@ impl Reader<'_> {
             emission: Vec3::from(material.emissive_factor()) * strength,
             emission_texture: emissive.and_then(|info| self.texture(&info, &name, model)),
             roughness: pbr.roughness_factor(),
+            lobe_shape: LobeShape::Ggx,
             metallic: pbr.metallic_factor(),
             // 0 stands for a coat that reflects all, as older files wanted it.
             ior: material.ior().filter(|n| *n >= 1.0).unwrap_or(1.5),

@@ -3,6 +3,7 @@
 use super::{SceneError, model, picture, sanity};
 use crate::scene::{
     MeasuringPlane, Object, Part, Scene,
+    brdf::LobeShape,
     file::{AreaLampEntry, LampEntry, ModelEntry, PlanOverrides, SceneFile},
     lamp::{Lamp, LampKind},
     material::Material,
@@ -41,7 +42,16 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::Empty { file: path.display().to_string() });
     }
     for pattern in &file.movable {
-        mark_movable(pattern, &mut scene);
+        let named = scene.objects.iter_mut().filter(|o| matches(pattern, &o.name));
+        if named.map(|o| o.movable = true).count() == 0 {
+            scene.warnings.push(format!("movable: no object is named \"{pattern}\""));
+        }
+    }
+    for pattern in &file.phong {
+        let named = scene.materials.iter_mut().filter(|m| matches(pattern, &m.name));
+        if named.map(|m| m.lobe_shape = LobeShape::Phong).count() == 0 {
+            scene.warnings.push(format!("phong: no material is named \"{pattern}\""));
+        }
     }
     file.planes.iter().try_for_each(|plane| check_plane(path, plane))?;
     check_plan(path, &file.plan)?;
@@ -207,18 +217,11 @@ fn add_area_lamp(
     Ok(())
 }
 
-fn mark_movable(pattern: &str, scene: &mut Scene) {
-    let matches = |name: &str| match pattern.strip_suffix('*') {
+/// Whether a name is a pattern's; `*` at its end stands for any rest.
+fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.strip_suffix('*') {
         Some(start) => name.starts_with(start),
         None => name == pattern,
-    };
-    let mut found = false;
-    for object in scene.objects.iter_mut().filter(|o| matches(&o.name)) {
-        object.movable = true;
-        found = true;
-    }
-    if !found {
-        scene.warnings.push(format!("movable: no object is named \"{pattern}\""));
     }
 }
 

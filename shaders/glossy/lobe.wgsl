@@ -1,4 +1,11 @@
-// The GGX lobe: twin of `Lobe` in core/src/scene/brdf.rs.
+// A lobe by itself: twin of `Lobe` in core/src/scene/brdf.rs.
+
+struct Lobe {
+    // Width α.
+    alpha: f32,
+    // Of Phong's lobe, 0 of GGX.
+    exponent: f32,
+}
 
 fn ggx(normal: vec3f, h: vec3f, alpha: f32) -> f32 {
     let c = dot(normal, h);
@@ -16,7 +23,6 @@ fn smith(c: f32, alpha: f32) -> f32 {
     return 0.5 * (sqrt(1.0 + alpha * alpha * tan2) - 1.0);
 }
 
-// Twin of `Lobe::value` of GGX.
 fn ggx_value(normal: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
     let ci = dot(normal, wi);
     let co = dot(normal, wo);
@@ -27,7 +33,6 @@ fn ggx_value(normal: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
     return ggx(normal, h, alpha) / ((1.0 + smith(ci, alpha) + smith(co, alpha)) * 4.0 * ci * co);
 }
 
-// Twin of `Lobe::density` of GGX.
 fn ggx_density(normal: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
     let co = dot(normal, wo);
     if co <= 0.0 || dot(normal, wi) <= 0.0 {
@@ -47,7 +52,6 @@ fn frame_from_normal(n: vec3f) -> mat3x3f {
         n);
 }
 
-// Twin of `Lobe::sample` of GGX; below the surface where that is `None`.
 fn ggx_sample(normal: vec3f, wo: vec3f, alpha: f32, u: vec2f) -> vec3f {
     let axes = frame_from_normal(normal);
     let local = transpose(axes) * wo;
@@ -63,4 +67,54 @@ fn ggx_sample(normal: vec3f, wo: vec3f, alpha: f32, u: vec2f) -> vec3f {
     let visible = across * x + up * y + stretched * z;
     let h = axes * normalize(vec3f(alpha * visible.xy, max(visible.z, 1e-6)));
     return 2.0 * dot(wo, h) * h - wo;
+}
+
+// Twin of `cosine_power`: the logarithm of the cosine by its series, ½ ln(1 − s²), where the built-in one is rounding.
+fn cosine_power(a: vec3f, b: vec3f, exponent: f32) -> f32 {
+    let c = dot(a, b);
+    if c <= 0.0 {
+        return 0.0;
+    }
+    let s = cross(a, b);
+    let s2 = dot(s, s);
+    let series = -s2 * (0.5 + s2 * (0.25 + s2 * (1.0 / 6.0 + s2 * 0.125)));
+    return exp(exponent * select(log(c), series, s2 < 0.05));
+}
+
+fn phong_value(normal: vec3f, wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
+    if dot(normal, wi) <= 0.0 || dot(normal, wo) <= 0.0 {
+        return 0.0;
+    }
+    return (exponent + 2.0) / (2.0 * PI) * cosine_power(reflect(-wo, normal), wi, exponent);
+}
+
+fn phong_sample(normal: vec3f, wo: vec3f, exponent: f32, u: vec2f) -> vec3f {
+    let c = pow(u.x, 1.0 / (exponent + 1.0));
+    let s = sqrt(max(1.0 - c * c, 0.0));
+    let phi = 2.0 * PI * u.y;
+    return frame_from_normal(reflect(-wo, normal)) * vec3f(s * cos(phi), s * sin(phi), c);
+}
+
+// Twin of `Lobe::value`.
+fn lobe_value(lobe: Lobe, normal: vec3f, wi: vec3f, wo: vec3f) -> f32 {
+    if lobe.exponent > 0.0 {
+        return phong_value(normal, wi, wo, lobe.exponent);
+    }
+    return ggx_value(normal, wi, wo, lobe.alpha);
+}
+
+// Twin of `Lobe::density`.
+fn lobe_density(lobe: Lobe, normal: vec3f, wi: vec3f, wo: vec3f) -> f32 {
+    if lobe.exponent > 0.0 {
+        return (lobe.exponent + 1.0) / (lobe.exponent + 2.0) * phong_value(normal, wi, wo, lobe.exponent);
+    }
+    return ggx_density(normal, wi, wo, lobe.alpha);
+}
+
+// Twin of `Lobe::sample`; below the surface where that is `None`.
+fn lobe_sample(lobe: Lobe, normal: vec3f, wo: vec3f, u: vec2f) -> vec3f {
+    if lobe.exponent > 0.0 {
+        return phong_sample(normal, wo, lobe.exponent, u);
+    }
+    return ggx_sample(normal, wo, lobe.alpha, u);
 }
