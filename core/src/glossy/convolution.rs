@@ -41,8 +41,8 @@ impl Convention {
 
 /// Nanoseconds of the direct sum, a pixel and a neighbour, and of the other a pixel, transform and factor of two: two
 /// threads, as `lumenscope glossy --kernels` measures them.
-const DIRECT_NANOSECONDS: [f64; 2] = [15.0, 0.65];
-const FOURIER_NANOSECONDS: f64 = 1.3;
+const DIRECT_NANOSECONDS: [f64; 2] = [15.0, 0.48];
+const FOURIER_NANOSECONDS: f64 = 0.75;
 
 impl Way {
     /// Both.

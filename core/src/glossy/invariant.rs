@@ -10,7 +10,9 @@
 //!
 //! Limits: a reflector narrower than the texels of its level is shown as if it were sharp, as is one that no
 //! pixel of those that are measured shows; at a reflector's edge there is nothing to read between, so that the
-//! picture is shifted there by up to half a texel of its level.
+//! picture is shifted there by up to half a texel of its level; texels are square and as coarse as the length of the
+//! footprint allows, so that beyond some 60° it is wider than the lobe, which microfacets make 1 / cos θ times as long as
+//! wide: at 75° the step of a light is twice as long as wide instead of four times.
 
 use super::{
     kernel::{GlossyPoint, Lens},
