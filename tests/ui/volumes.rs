@@ -74,6 +74,22 @@ fn surfaces_are_ignored_and_volumes_kept_and_traced() {
 }
 
 #[test]
+fn the_material_that_was_clicked_is_left_out_and_counted_again() {
+    let mut window = Window::on_room();
+    window.harness.get_by_label("viewport").click();
+    window.harness.run_steps(2);
+    let clicked = window.view().surface.unwrap();
+    let solution = window.app().session().solution.clone().unwrap();
+    let material = solution.world.geometry.material[clicked.triangle as usize];
+    for left_out in [true, false] {
+        window.harness.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::I);
+        window.harness.run_steps(2);
+        assert_eq!(window.view().volume.ignored_materials.contains(&material), left_out);
+        assert!(window.view().volume.ignored.is_empty());
+    }
+}
+
+#[test]
 fn a_volume_without_some_light_is_kept_shown_and_taken_from() {
     let mut window = Window::on_room();
     window.click("Views");

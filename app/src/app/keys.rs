@@ -59,6 +59,12 @@ pub(super) fn commands(ctx: &Context, session: &Session, out: &mut Vec<Command>)
     if with(Modifiers::NONE, Key::V) {
         view.volume.shown = !view.volume.shown;
     }
+    if with(Modifiers::SHIFT, Key::I)
+        && let (Some(solution), Some(clicked)) = (&session.solution, view.surface)
+        && let Some(&material) = solution.world.geometry.material.get(clicked.triangle as usize)
+    {
+        crate::panels::volumes::toggle_material(&mut view.volume, material);
+    }
     if with(Modifiers::NONE, Key::I)
         && let Some(target) = view.selected
     {

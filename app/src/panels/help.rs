@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, Grid, RichText, Window};
 
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 20] = [
     ("Ctrl+O", "Open a scene or session"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+Shift+S", "Save the session as a new file"),
@@ -11,6 +11,7 @@ const KEYS: [(&str, &str); 19] = [
     ("1 to 5", "Show emitted, direct, indirect, mirror, glossy light alone; again for all"),
     ("R", "Picture, reference, difference, FLIP in turn"),
     ("V", "Volume of irradiance spheres on and off"),
+    ("I, Shift+I", "Compare the volume without the light of what is selected, of the material clicked"),
     ("F", "Frame the selection, or everything"),
     ("Home", "Frame everything"),
     ("W A S D Q E", "Fly and look, with the right mouse button held; Shift flies faster"),

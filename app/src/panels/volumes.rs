@@ -39,7 +39,8 @@ pub fn show(ui: &mut Ui, session: &Session, out: &mut Vec<Command>) {
             let against = &mut view.volume.against;
             ui.radio_value(against, Against::Ignoring, "B: present without the light of").on_hover_text(
                 "The same volume, but rays that meet these surfaces bring nothing; from what the rays met, so \
-                 nothing is traced again. Select something in the scene and press I to add it or take it away.\n\n\
+                 nothing is traced again. Click something in the scene and press I to add it or take it away, Shift+I all of \
+                 the material that was clicked.\n\n\
                  E_A − E_B = what comes straight from them, lx",
             );
             ui.indent("ignored", |ui| ignored(ui, scene, view));
@@ -189,7 +190,7 @@ pub fn toggle_ignored(view: &mut VolumeView, target: Target) {
 }
 
 /// Leaves a material's light out, or counts it again.
-fn toggle_material(view: &mut VolumeView, material: u32) {
+pub fn toggle_material(view: &mut VolumeView, material: u32) {
     if !view.ignored_materials.remove(&material) {
         view.ignored_materials.insert(material);
     }
