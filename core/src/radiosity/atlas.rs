@@ -5,7 +5,7 @@
 //! skyline or bin tree: charts of one scene are alike in height once sorted, and shelves waste little.
 //!
 //! A grid of elements is a rectangle, a texel a node. Triangles that are lit at their corners have charts of their
-//! own ([`atlas_triangles`](super::atlas_triangles)).
+//! own (`atlas_triangles`).
 
 use super::{
     RadiositySolution,
