@@ -144,12 +144,12 @@ struct Table<'a> {
 impl Table<'_> {
     /// Prints the head of one roughness and writes the references.
     fn begin(&self, roughness: f32, judge: &Judge) -> anyhow::Result<()> {
-        let shares = judge.shares().map(|s| format!("{:>14.1}%", 100.0 * s)).join("");
+        let shares = judge.shares().map(|s| format!("{:>15.1}%", 100.0 * s)).join("");
         println!(
             "roughness {roughness}: relMSE / FLIP against the lobe by rays, the reference's own variance taken off"
         );
-        let names = Area::ALL.map(|a| format!("{:>15}", a.name())).join("");
-        println!("{:<18}{names}{:>15}{:>11}{:>9}", "method", "by paths", "ms a frame", "s before");
+        let names = Area::ALL.map(|a| format!("{:>16}", a.name())).join("");
+        println!("{:<18}{names}{:>16}{:>11}{:>9}", "method", "by paths", "ms a frame", "s before");
         println!("{:<18}{shares}", "share of pixels");
         self.picture("rays", roughness, &judge.by_rays.picture, &judge.by_rays)?;
         match &judge.by_paths {
@@ -174,7 +174,7 @@ impl Table<'_> {
             None => [[f64::NAN; 2]; 6],
         };
         let shown =
-            errors.iter().chain([&by_paths]).map(|[rel_mse, flip]| format!("{rel_mse:>8.5} /{flip:>5.3}"));
+            errors.iter().chain([&by_paths]).map(|[rel_mse, flip]| format!("{rel_mse:>9.5} /{flip:>5.3}"));
         println!("{name:<18}{}{milliseconds:>11.1}{build_seconds:>9.2}", shown.collect::<String>());
         let figures = errors.iter().chain([&by_paths]).flatten().chain([&milliseconds, &build_seconds]);
         let figures = figures.map(|figure| format!(",{figure}")).collect::<String>();
