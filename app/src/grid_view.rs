@@ -85,6 +85,8 @@ pub struct Traced {
 pub struct GridWork {
     solution: Arc<LightTransportSolution>,
     grid: Arc<GridTexture>,
+    /// Side of the triangle: the inside of a tube is another texture than its outside.
+    back: bool,
     settings: StageSettings,
     reference: Option<GridReference>,
 }
@@ -100,7 +102,7 @@ impl GridWork {
         let element = request.surface.element(solution)?;
         let Element { chart, object, .. } = solution.radiosity.elements()[element as usize];
         let same = |w: &Self| {
-            (w.grid.chart, w.grid.object) == (chart, object)
+            (w.grid.chart, w.grid.object, w.back) == (chart, object, request.surface.back)
                 && Arc::ptr_eq(&w.solution.radiosity, &solution.radiosity)
                 && Arc::ptr_eq(&w.solution.world, &solution.world)
         };
@@ -109,7 +111,8 @@ impl GridWork {
             None => (Arc::new(GridTexture::of_element(&solution.radiosity, &solution.world, element)?), None),
         };
         let reference = request.traced.then(|| reference.unwrap_or_else(|| GridReference::new(&grid, SEED)));
-        Some(Self { solution: solution.clone(), grid, settings: request.settings, reference })
+        let back = request.surface.back;
+        Some(Self { solution: solution.clone(), grid, back, settings: request.settings, reference })
     }
 
     /// Whether there is more to trace.

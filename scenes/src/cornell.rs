@@ -25,7 +25,8 @@ fn published(x: f64, y: f64, z: f64) -> DVec3 {
     v(0.5 * WIDTH - x * 1e-3, y * 1e-3, -z * 1e-3)
 }
 
-/// `cornell/cornell.glb`, `cornell/cornell.ron`; with quadtrees `cornell/quadtrees.ron`, with a ball `cornell/ball.ron`.
+/// `cornell/cornell.glb`, `cornell/cornell.ron`; with quadtrees `cornell/quadtrees.ron`, with a ball `cornell/ball.ron`,
+/// with a column and a sail `cornell/patches.ron`.
 pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
     vec![
         ("cornell/cornell.glb".into(), model().bytes()),
@@ -33,6 +34,8 @@ pub fn files() -> Vec<(PathBuf, Vec<u8>)> {
         ("cornell/quadtrees.ron".into(), scene(QUADTREES)),
         ("cornell/ball.glb".into(), ball().bytes()),
         ("cornell/ball.ron".into(), BALL.as_bytes().to_vec()),
+        ("cornell/patches.glb".into(), patches().bytes()),
+        ("cornell/patches.ron".into(), PATCHES.as_bytes().to_vec()),
     ]
 }
 
@@ -94,6 +97,42 @@ const BALL: &str = "\
     plan: (element_spacing_m: 0.02),
 )
 ";
+
+const PATCHES: &str = "\
+// The Cornell box with a column on the short block and a sail beside the tall one: the column's side is one texture
+// that goes round, the sail's is a triangle.
+(
+    models: [(file: \"cornell.glb\"), (file: \"patches.glb\")],
+    camera: Some((
+        eye: (0.0, 0.273, 0.8),
+        target: (0.0, 0.273, 0.0),
+        up: (0.0, 1.0, 0.0),
+        vertical_fov: 0.6861,
+    )),
+    plan: (element_spacing_m: 0.02),
+)
+";
+
+/// A dull column, 1 mm above the short block, and a sail on the floor.
+fn patches() -> Model {
+    const RADIUS: f64 = 0.05;
+    const ROWS: u32 = 9;
+    let mut model = Model::default();
+    let white = model.material(Material::new("White", [0.73, 0.73, 0.73]));
+    let cloth = Material { double_sided: true, ..Material::new("Cloth", [0.6, 0.6, 0.6]) };
+    let cloth = model.material(cloth);
+    let side = (0..=ROWS).map(|i| DVec2::new(RADIUS, 0.02 * f64::from(i)));
+    let top = DVec2::new(0.0, 0.02 * f64::from(ROWS));
+    let profile: Vec<DVec2> = side.chain([top]).collect();
+    let mesh = model.mesh(Parts::of(white, lathe(&profile, 48, false).welded()));
+    model.place("Column", mesh, [0.09, 0.167, -0.169], 0.0);
+    let corners = [v(-0.24, 0.001, -0.06), v(-0.06, 0.001, -0.1), v(-0.2, 0.2, -0.12)];
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+    let mut sail = Shape::default();
+    sail.triangles = vec![corners.map(|corner| sail.vertex(corner, normal))];
+    model.stand("Sail", Parts::of(cloth, sail));
+    model
+}
 
 /// A dull ball, 1 mm above the short block.
 fn ball() -> Model {

@@ -12,9 +12,10 @@ use lumenscope_core::{
         prefilter::gaussian,
         sphere::{SphereSurface, direction, direction_at, face_of, place_of},
         sphere_orders::{FirstOrder, zero_order_texture},
+        tube::{self, TubeSurface},
     },
 };
-use std::f32::consts::FRAC_PI_2;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Irradiance of a unit sphere at a direction under lamps outside it: Σ I max(0, cos θ) / r².
 fn lit(lamps: &[(Vec3, f32)], normal: Vec3) -> Vec3 {
@@ -203,5 +204,38 @@ fn patches_with_parameters_are_sampled_where_their_light_bends() {
         assert!(
             tree.t_vertices().iter().all(|t| samples.texels[(t.y * samples.side + t.x) as usize].is_some())
         );
+    }
+}
+
+#[test]
+fn a_patch_that_closes_around_goes_round_and_its_ends_go_on() {
+    let tree = Quadtree::full(Shape::Quadrilateral, 3);
+    let value = |uv: Vec2| Vec3::splat(2.0 + uv.y + (TAU * uv.x).sin());
+    let surface = TubeSurface::new(&tree, &crate::sampled(&tree, value));
+    for i in 0..50 {
+        let v = i as f32 / 49.0;
+        // A quarter around is a vertex; along it is linear.
+        assert!((surface.at(Vec2::new(0.25, v)).x - 3.0 - v).abs() < 1e-4);
+        // Slopes at the seam are central differences over an eighth of the way: 8 sin(2π/8), from both sides.
+        let slope =
+            |u: [f32; 2]| (surface.at(Vec2::new(u[1], v)).x - surface.at(Vec2::new(u[0], v)).x) / 1e-3;
+        let wanted = 8.0 * (TAU / 8.0).sin();
+        for (side, found) in [("left", slope([-1e-3, 0.0])), ("right", slope([0.0, 1e-3]))] {
+            assert!((found - wanted).abs() < 0.02 * wanted, "{side}: {found} for {wanted}");
+        }
+    }
+    let texture = surface.sampled(16);
+    assert_eq!((texture.image.width, texture.image.height, texture.border), (16, 17, Border::Tube));
+    assert_eq!(texture.sample(Vec2::new(1.0, 0.5), Filter::Bilinear), surface.at(Vec2::new(0.0, 0.5)));
+    // Where leaves on both sides of the line differ in depth, there is one value: the finer side's, its samples'.
+    let mut tree = Quadtree::full(Shape::Quadrilateral, 1);
+    tree.refine(4, |cell| cell.u == 0);
+    let samples = crate::sampled(&tree, |uv| Vec3::splat(1.0 + (TAU * 2.0 * uv.y).sin().abs()));
+    let texture = tube::first_order_texture(&tree, &samples);
+    for row in 0..=16u32 {
+        let sample = samples.texels[(row * samples.side) as usize].expect("a corner of fine leaves");
+        assert_eq!(texture.image.at(0, row), sample);
+        let near = texture.sample(Vec2::new(1.0 - 1e-5, row as f32 / 16.0), Filter::Bilinear);
+        assert!((near - sample).x.abs() < 1e-3, "row {row}: {near} for {sample}");
     }
 }

@@ -6,7 +6,10 @@ use super::{
     page::{INK, Page},
     solve,
 };
-use crate::panels::texture::NAMES;
+use crate::{
+    panels::texture::{NAMES, middle},
+    widgets::field::{UNKNOWN, bulk},
+};
 use anyhow::{Context, bail};
 use glam::Vec3;
 use lumenscope_core::{
@@ -53,7 +56,7 @@ pub fn run(
     let element = nearest(&solution.radiosity, at)?;
     let Some(grid) = GridTexture::of_element(&solution.radiosity, &solution.world, element) else {
         bail!(
-            "--at {},{},{}: the surface there is curved and no ball, or small and lit at its corners",
+            "--at {},{},{}: the surface there is curved and neither a ball nor the side of a cylinder, or small and lit at its corners",
             at.x,
             at.y,
             at.z
@@ -79,6 +82,9 @@ pub fn run(
         reference.paths(),
         100.0 * reference.noise(&grid)
     );
+    if let Some([taken, full]) = grid.samples() {
+        println!("{taken} samples of {full}, where light bends");
+    }
     let orders = grid.orders();
     let converted = ORDERS.iter().zip(orders.iter().flatten());
     for (name, stage) in converted.clone().chain(NAMES.iter().zip(&stages)) {
@@ -136,14 +142,16 @@ fn sheet(grid: &GridTexture, shown: &[LinearImage], at_points: &[LinearImage], w
     let (w, h) = (shown[0].width as usize, shown[0].height as usize);
     let mut page = Page::new(3 * (w + MARGIN) + MARGIN, HEAD + 3 * (h + MARGIN) + FOOT);
     let bends: Vec<LinearImage> = shown.iter().map(second_difference).collect();
-    let high = crate::widgets::field::bulk(shown.iter().flat_map(|s| s.pixels.iter().copied()));
+    let covered = |pixel: usize| grid.covers(middle(pixel, [w as u32, h as u32]));
+    let of_surface = |image: &LinearImage| -> Vec<Vec3> {
+        (0..w * h).filter(|&i| covered(i)).map(|i| image.pixels[i]).collect()
+    };
+    let high = bulk(shown.iter().flat_map(of_surface));
     let off = |stage: usize, i: usize| luminance(at_points[stage].pixels[i] - wanted.pixels[i]);
     let points = (0..wanted.pixels.len()).filter(|&i| grid.is_judged(i));
     let offs = points.flat_map(|i| (0..3).map(move |stage| (stage, i)));
-    let most = crate::widgets::field::bulk(offs.map(|(stage, i)| Vec3::splat(off(stage, i))));
-    let bend = crate::widgets::field::bulk(
-        bends.iter().flat_map(|b| b.pixels.iter().copied()).filter(|p| p.x != 0.0),
-    );
+    let most = bulk(offs.map(|(stage, i)| Vec3::splat(off(stage, i))));
+    let bend = bulk(bends.iter().flat_map(of_surface).filter(|p| p.x != 0.0));
     let light = FalseColour::over([0.0, high], Palette::Viridis);
     let signed = |range: f32| FalseColour::over([-range, range], Palette::Diverging);
     for stage in 0..3 {
@@ -153,9 +161,13 @@ fn sheet(grid: &GridTexture, shown: &[LinearImage], at_points: &[LinearImage], w
             let point = [x * wanted.width as usize / w, y * wanted.height as usize / h];
             let point = point[1] * wanted.width as usize + point[0];
             let judged = grid.is_judged(point).then(|| signed(most).colour(off(stage, point)));
+            if !covered(y * w + x) {
+                (0..3).for_each(|row| page.put(left + x, HEAD + row * (h + MARGIN) + y, UNKNOWN));
+                continue;
+            }
             let colours = [
                 srgb8(light.colour(luminance(shown[stage].pixels[y * w + x]))),
-                judged.map_or(crate::widgets::field::UNKNOWN, srgb8),
+                judged.map_or(UNKNOWN, srgb8),
                 srgb8(signed(bend).colour(luminance(bends[stage].pixels[y * w + x]))),
             ];
             for (row, colour) in colours.into_iter().enumerate() {

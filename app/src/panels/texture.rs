@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use lumenscope_core::{
     inspection::Legend,
     math::{
@@ -20,7 +20,7 @@ use lumenscope_core::{
         image::LinearImage,
     },
     measure::{
-        grid_texture::{GridReference, Prefilter, Stage, StageSettings},
+        grid_texture::{GridReference, Kind, Prefilter, Stage, StageSettings},
         image::second_difference,
     },
     radiosity::texture::{display::Filter, prefilter::WIDEST},
@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
             ui.weak("The texture is being made…");
             return;
         }
-        ui.weak("This surface has no texture: it is curved and no ball, or small and lit at its corners, or longer than 2,048 nodes.");
+        ui.weak("This surface has no texture: it is curved and neither a ball nor the side of a cylinder, or small and lit at its corners, or longer than 2,048 nodes.");
         return;
     };
     if state.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, shown)) {
@@ -79,12 +79,23 @@ pub fn show(ui: &mut Ui, state: &mut State, session: &Session, out: &mut Vec<Com
     ui.add_space(4.0);
     ui.label(RichText::new(format!(
         "{}: {} × {} nodes over {:.2} × {:.2} m",
-        if grid.is_ball() { "Ball by longitude and latitude".into() } else { format!("Grid {}", grid.chart) },
+        match grid.kind() {
+            Kind::Grid => format!("Grid {}", grid.chart),
+            Kind::Triangle => format!("Triangle of grid {}", grid.chart),
+            Kind::Ball => "Ball by longitude and latitude".into(),
+            Kind::Tube => "Side of a cylinder by angle and height".into(),
+        },
         grid.nodes[0],
         grid.nodes[1],
         grid.size_m.x,
         grid.size_m.y
     )));
+    if let Some([taken, full]) = grid.samples() {
+        ui.label(RichText::new(format!("{taken} samples of {full}")).small()).on_hover_text(
+            "What the quadtrees of this surface took of the light that the solver keeps, finer where it bends, and what \
+             full ones would",
+        );
+    }
     let aspect = grid.size_m.y / grid.size_m.x.max(1e-6);
     let width = ((ui.available_width() - 16.0) / 3.0).clamp(40.0, 240.0);
     let mut pointed = None;
@@ -198,17 +209,21 @@ impl State {
         let scale = PIXELS / grid.size_m.max_element().max(1e-6);
         let size = [grid.size_m.x, grid.size_m.y].map(|m| ((m * scale) as u32).clamp(2, PIXELS as u32));
         let pictures: Vec<_> = shown.stages.iter().map(|s| s.picture(size)).collect();
-        let high = bulk(pictures.iter().flat_map(|p| p.pixels.iter().copied()));
+        let covered = |k: usize| grid.covers(middle(k, size));
+        let of_surface = |p: &LinearImage| -> Vec<Vec3> {
+            p.pixels.iter().enumerate().filter(|(k, _)| covered(*k)).map(|(_, pixel)| *pixel).collect()
+        };
+        let high = bulk(pictures.iter().flat_map(of_surface));
         let light = FalseColour { palette: Palette::Viridis, low: 0.0, high, logarithmic: false };
         self.light = Some(light);
         self.stages =
-            pictures.iter().zip(NAMES).map(|(p, name)| Field::new(name, p, &light, |_| true)).collect();
+            pictures.iter().zip(NAMES).map(|(p, name)| Field::new(name, p, &light, covered)).collect();
         let bends: Vec<_> = pictures.iter().map(second_difference).collect();
-        let most = bulk(bends.iter().flat_map(|b| b.pixels.iter().copied().filter(|p| p.x != 0.0)));
+        let most = bulk(bends.iter().flat_map(of_surface).filter(|p| p.x != 0.0));
         let colours = FalseColour::over([-most, most], Palette::Diverging);
         self.bend = Some(colours);
         let bands = |(i, bend): (usize, &LinearImage)| {
-            let value = |k: usize| Some(luminance(bend.pixels[k]));
+            let value = |k: usize| covered(k).then(|| luminance(bend.pixels[k]));
             Field::signed(format!("stage {}, bands", i + 1), size, &colours, value)
         };
         self.bends = bends.iter().enumerate().map(bands).collect();
@@ -230,6 +245,12 @@ impl State {
         }
         self.of = Some(shown.clone());
     }
+}
+
+/// Where the middle of a pixel lies on the unit square.
+pub fn middle(pixel: usize, [width, height]: [u32; 2]) -> Vec2 {
+    let at = Vec2::new((pixel as u32 % width) as f32, (pixel as u32 / width) as f32);
+    (at + Vec2::splat(0.5)) / Vec2::new(width as f32, height as f32)
 }
 
 fn bar(ui: &mut Ui, quantity: &str, colours: Option<FalseColour>) {

@@ -27,13 +27,13 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// How far corners may be from the sphere, as a share of its radius.
-const ROUND: f32 = 0.02;
+/// How far corners may be from what is round, as a share of its radius.
+pub(super) const ROUND: f32 = 0.02;
 /// Triangles of which something is round and not a block.
 const LEAST_TRIANGLES: usize = 64;
 /// Level that every leaf of a patch has at least, and that none goes beyond.
 const LEVELS: [u32; 2] = [2, 5];
-/// Things that may stand between a ball and what looks at it from close by.
+/// Things that may stand between a surface and what looks at it from close by.
 const MOST_BETWEEN: u32 = 8;
 /// Points along and across at which a ball is judged.
 const POINTS: [u32; 2] = [48, 24];
@@ -67,22 +67,29 @@ impl Ball {
 
     /// Its surface in a direction from the middle, also where another thing stands against it, and whether none does.
     fn surface(&self, world: &World, towards: Vec3) -> Option<(Surface, bool)> {
-        let mut height = (1.0 + ROUND) * self.radius;
-        for between in 0..MOST_BETWEEN {
-            let hit = world.accel.trace(&Ray::new(self.middle + towards * height, -towards))?;
-            height -= hit.t;
-            // A facet's middle lies deeper than its corners.
-            if height < (1.0 - 3.0 * ROUND) * self.radius {
-                return None;
-            }
-            if world.geometry.object[hit.triangle as usize] == self.object {
-                let surface = world.geometry.surface(hit.triangle, hit.barycentric, -towards);
-                return world.geometry.is_lit(&surface).then_some((surface, between == 0));
-            }
-            height -= 1e-4 * self.radius;
-        }
-        None
+        // A facet's middle lies deeper than its corners.
+        let ray = Ray::new(self.middle + towards * (1.0 + ROUND) * self.radius, -towards);
+        own_surface(world, self.object, &ray, 4.0 * ROUND * self.radius)
     }
+}
+
+/// The first lit surface of an object along a ray of unit direction, no farther than `reach`, and whether nothing
+/// stands before it.
+pub(super) fn own_surface(world: &World, object: u32, ray: &Ray, reach: f32) -> Option<(Surface, bool)> {
+    let mut at = 0.0;
+    for between in 0..MOST_BETWEEN {
+        let hit = world.accel.trace(&Ray::new(ray.origin + ray.direction * at, ray.direction))?;
+        at += hit.t;
+        if at > reach {
+            return None;
+        }
+        if world.geometry.object[hit.triangle as usize] == object {
+            let surface = world.geometry.surface(hit.triangle, hit.barycentric, ray.direction);
+            return world.geometry.is_lit(&surface).then_some((surface, between == 0));
+        }
+        at += 1e-3 * reach;
+    }
+    None
 }
 
 /// A point at which a ball is judged, on its texture.
@@ -138,18 +145,5 @@ impl GridTexture {
             smooth: Smooth::Ball(Box::new(BallPatches { smooth: SphereSurface::new(&patches), patches })),
             receivers: (0..POINTS[0] * POINTS[1]).map(receiver).collect(),
         })
-    }
-
-    /// Samples that the quadtrees of a ball's patches took, and how many full ones would; `None` of grids.
-    pub fn samples(&self) -> Option<[usize; 2]> {
-        let Smooth::Ball(ball) = &self.smooth else { return None };
-        let taken = ball.patches.iter().map(|(_, samples)| samples.texels.iter().flatten().count()).sum();
-        let side = (1usize << ball.patches.iter().map(|(tree, _)| tree.height()).max().unwrap_or(0)) + 1;
-        Some([taken, 6 * side * side])
-    }
-
-    /// Whether it is a ball's, by latitude and longitude.
-    pub fn is_ball(&self) -> bool {
-        matches!(self.smooth, Smooth::Ball(_))
     }
 }

@@ -4,8 +4,8 @@
 //!
 //! The solver's samples are nodes and not leaves, so a leaf's radiosity is the mean of its corners. The tree is the
 //! solver's own where it has one: a cell is a leaf unless a node that was solved lies between its corners. Beyond
-//! the grid the nodes of its border stand again. A ball has six trees, whose texels a latitude–longitude texture
-//! looks up.
+//! the grid the nodes of its border stand again. Triangles and curved surfaces have trees of their own; a ball's six
+//! are looked up by a latitude–longitude texture.
 
 use super::grid_texture::{GridTexture, Smooth, Stage};
 use crate::radiosity::texture::{
@@ -13,6 +13,7 @@ use crate::radiosity::texture::{
     convert::{Gaps, fill_first_order, fill_zero_order, first_order, zero_order},
     display::Filter,
     sphere_orders::{FirstOrder, zero_order_texture},
+    tube,
 };
 use glam::{UVec2, Vec3};
 
@@ -29,6 +30,27 @@ impl GridTexture {
         let window = match &self.smooth {
             Smooth::Grid(_, window) => *window,
             Smooth::Ball(ball) => return Some(of_ball(&ball.patches)),
+            Smooth::Triangle(patch) => {
+                let (zero, first) = of_tree(&patch.tree, &patch.samples);
+                let [zero, first] = [
+                    fill_zero_order(&patch.tree, &zero, &zero_order(&patch.tree, &zero)),
+                    fill_first_order(&patch.tree, &first),
+                ];
+                return Some([
+                    Stage { texture: zero, filter: Filter::NearestInTriangle },
+                    Stage { texture: first, filter: Filter::Bilinear },
+                ]);
+            }
+            Smooth::Tube(tube) => {
+                let (zero, first) = of_tree(&tube.tree, &tube.samples);
+                return Some([
+                    Stage { texture: tube::zero_order_texture(&tube.tree, &zero), filter: Filter::Nearest },
+                    Stage {
+                        texture: tube::first_order_texture(&tube.tree, &first),
+                        filter: Filter::Bilinear,
+                    },
+                ]);
+            }
         };
         let [nx, ny] = self.nodes;
         let height = (nx.max(ny) - 1).next_power_of_two().ilog2();
@@ -65,12 +87,18 @@ fn of_leaves(tree: &Quadtree, height: u32, node: impl Fn(UVec2) -> Vec3) -> Vec<
     tree.leaves().iter().map(|leaf| mean(corners(leaf))).collect()
 }
 
+/// The mean of the corners of each leaf, and of the leaves at each corner.
+fn of_tree(tree: &Quadtree, samples: &Gaps) -> (Vec<Vec3>, Gaps) {
+    let node = |c: UVec2| samples.texels[(c.y * samples.side + c.x) as usize].unwrap_or_default();
+    let leaves = of_leaves(tree, tree.height(), node);
+    let means = first_order(tree, &leaves).average();
+    (leaves, means)
+}
+
 fn of_ball(patches: &[(Quadtree, Gaps); 6]) -> [Stage; 2] {
-    let leaves = patches.each_ref().map(|(tree, samples)| {
-        let node = |c: UVec2| samples.texels[(c.y * samples.side + c.x) as usize].unwrap_or_default();
-        (tree.clone(), of_leaves(tree, tree.height(), node))
-    });
-    let means = leaves.each_ref().map(|(tree, values)| (tree.clone(), first_order(tree, values).average()));
+    let both = patches.each_ref().map(|(tree, samples)| (tree, of_tree(tree, samples)));
+    let leaves = both.each_ref().map(|(tree, (zero, _))| ((*tree).clone(), zero.clone()));
+    let means = both.map(|(tree, (_, first))| (tree.clone(), first));
     [
         Stage { texture: zero_order_texture(&leaves), filter: Filter::Nearest },
         Stage { texture: FirstOrder::new(&means).texture(), filter: Filter::Bilinear },

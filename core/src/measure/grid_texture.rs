@@ -10,9 +10,12 @@
 //! The reference is irradiance by the path tracer at the middles of equal cells over the grid, so that no
 //! stage is asked only where it is right by construction. Limits: a point beside a node outside the
 //! region has no light of its own and is not judged; surfaces lit at their corners have no grid, but for balls
-//! (`ball_texture`).
+//! (`ball_texture`) and sides of cylinders (`tube_texture`). A triangle has its own (`triangle_texture`).
 
-use super::{MeasureError, ball_texture::BallPatches, image, perceptual};
+use super::{
+    MeasureError, ball_texture::BallPatches, image, perceptual, triangle_texture::TrianglePatch,
+    tube_texture::TubePatch,
+};
 use crate::{
     math::{
         colour::luminance,
@@ -26,7 +29,8 @@ use crate::{
         reconstruct::{lattice, resampled, smooth},
         surface_map::{Chart, Element, INTERPOLATED, OUTSIDE},
         texture::{
-            Border, RadiosityTexture,
+            Border, Quadtree, RadiosityTexture,
+            convert::Gaps,
             display::Filter,
             hermite::HermiteSurface,
             prefilter::{WIDEST, adaptive, gaussian},
@@ -43,7 +47,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 const MOST_NODES: u32 = 2048;
 
 /// Points along each edge at which a grid is judged: at least, and at most.
-const POINTS: [u32; 2] = [8, 48];
+pub(super) const POINTS: [u32; 2] = [8, 48];
 
 /// How the stages are made and shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -96,7 +100,7 @@ pub struct StageError {
 /// A grid's light, and the points at which it is judged.
 #[derive(Clone, Debug)]
 pub struct GridTexture {
-    /// Number of the grid; `u32::MAX` for a ball.
+    /// Number of the grid; `u32::MAX` for what is curved.
     pub chart: u32,
     /// Object that it belongs to.
     pub object: u32,
@@ -113,28 +117,49 @@ pub struct GridTexture {
     pub(super) receivers: Vec<Option<Receiver>>,
 }
 
+/// What a texture is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A flat region, by its grid.
+    Grid,
+    /// A flat region that is a triangle: the half of the texture below its diagonal.
+    Triangle,
+    /// A ball, by longitude and latitude.
+    Ball,
+    /// The side of a cylinder, by angle and height.
+    Tube,
+}
+
 /// The smooth function through what is stored.
 #[derive(Clone, Debug)]
 pub(super) enum Smooth {
     /// Of a grid, and the share of its square that the grid takes.
     Grid(HermiteSurface, Vec2),
+    /// Of a triangle.
+    Triangle(Box<TrianglePatch>),
     /// Of the six patches of a ball.
     Ball(Box<BallPatches>),
+    /// Of the side of a cylinder.
+    Tube(Box<TubePatch>),
 }
 
 impl GridTexture {
-    /// The grid or the ball that an element belongs to; `None` where it is neither's, or the grid is a line or too
-    /// long.
+    /// The grid, triangle, ball or side of a cylinder that an element belongs to; `None` where it is none's, or the
+    /// grid is a line or too long.
     pub fn of_element(solution: &RadiositySolution, world: &World, element: u32) -> Option<Self> {
         let Element { chart: number, object, .. } = *solution.elements().get(element as usize)?;
         let Some(chart) = solution.transport().map.charts.get(number as usize) else {
-            return Self::of_ball(solution, world, element);
+            let ball = Self::of_ball(solution, world, element);
+            return ball.or_else(|| Self::of_tube(solution, world, element));
         };
         if chart.nx.max(chart.ny) > MOST_NODES {
             return None;
         }
         if chart.nx < 2 || chart.ny < 2 {
             return None;
+        }
+        if let Some(triangle) = Self::of_triangle(solution, world, number) {
+            return Some(triangle);
         }
         let seen = Seen::new(solution, chart);
         let [nx, ny] = seen.nodes;
@@ -170,6 +195,40 @@ impl GridTexture {
         })
     }
 
+    /// What it is of.
+    pub fn kind(&self) -> Kind {
+        match self.smooth {
+            Smooth::Grid(..) => Kind::Grid,
+            Smooth::Triangle(_) => Kind::Triangle,
+            Smooth::Ball(_) => Kind::Ball,
+            Smooth::Tube(_) => Kind::Tube,
+        }
+    }
+
+    /// Whether a point of the unit square is of its surface: all are, but for a triangle's other half.
+    pub fn covers(&self, at: Vec2) -> bool {
+        self.kind() != Kind::Triangle || at.element_sum() <= 1.0
+    }
+
+    /// Samples that quadtrees grown a posteriori took, and how many full ones would; `None` of the solver's grids.
+    pub fn samples(&self) -> Option<[usize; 2]> {
+        let count = |tree: &Quadtree, samples: &Gaps| {
+            let full = Quadtree::full(tree.shape(), tree.height());
+            let all = full.vertices().into_iter().filter(|used| *used).count();
+            [samples.texels.iter().flatten().count(), all]
+        };
+        match &self.smooth {
+            Smooth::Grid(..) => None,
+            Smooth::Triangle(patch) => Some(count(&patch.tree, &patch.samples)),
+            Smooth::Tube(tube) => Some(count(&tube.tree, &tube.samples)),
+            Smooth::Ball(ball) => {
+                let counts = ball.patches.each_ref().map(|(tree, samples)| count(tree, samples));
+                let most = counts.iter().map(|c| c[1]).max().unwrap_or(0);
+                Some([counts.iter().map(|c| c[0]).sum(), counts.len() * most])
+            }
+        }
+    }
+
     /// The three stages.
     pub fn stages(&self, settings: &StageSettings) -> [Stage; 3] {
         let factor = settings.factor.clamp(1, 4);
@@ -177,6 +236,8 @@ impl GridTexture {
             Smooth::Grid(surface, window) => {
                 resampled(surface, *window, self.nodes.map(|n| (n - 1) * factor + 1))
             }
+            Smooth::Triangle(patch) => patch.smooth.resampled((self.nodes[0] - 1) * factor + 1),
+            Smooth::Tube(tube) => tube.smooth.sampled(self.nodes[0] * factor),
             Smooth::Ball(ball) => ball.smooth.sampled(self.nodes[0] / 4 * factor),
         };
         let filtered = match settings.prefilter {

@@ -16,6 +16,8 @@ pub mod picture;
 pub mod reconstruction;
 pub mod significance;
 pub mod sweep;
+mod triangle_texture;
+mod tube_texture;
 pub mod volume;
 
 use crate::math::image::LinearImage;

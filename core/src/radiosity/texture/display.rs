@@ -5,7 +5,7 @@
 //! (a texel's own value is blurred by its neighbours'), and has negative lobes: beside a bright texel the
 //! result may fall below zero by up to 1/27 of it along each axis.
 
-use super::RadiosityTexture;
+use super::{RadiosityTexture, triangle::zero_order_texel};
 use glam::{Vec2, Vec3};
 
 /// How texels become a picture.
@@ -13,6 +13,8 @@ use glam::{Vec2, Vec3};
 pub enum Filter {
     /// The nearest texel.
     Nearest,
+    /// The texel of the leaf that covers a point of a triangle, of a texture of zero order.
+    NearestInTriangle,
     /// Bilinear.
     Bilinear,
     /// Mitchell and Netravali's bicubic (1/3, 1/3).
@@ -27,6 +29,10 @@ impl RadiosityTexture {
             Filter::Nearest => {
                 let nearest = (p + Vec2::splat(0.5)).floor();
                 self.texel(nearest.x as i64, nearest.y as i64)
+            }
+            Filter::NearestInTriangle => {
+                let texel = zero_order_texel(self.image.width, uv);
+                self.texel(texel.x.into(), texel.y.into())
             }
             Filter::Bilinear => self.weighted(p, 0, |d| [1.0 - d, d]),
             Filter::Mitchell => self.weighted(p, 1, mitchell_weights),

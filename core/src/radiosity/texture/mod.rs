@@ -11,7 +11,7 @@
 //!
 //! [`adapt`] grows a tree where what is sampled asks for it, over any surface with parameters u and v;
 //! [`sphere`] puts the six patches of a sphere into one latitude–longitude texture, [`sphere_orders`] does so by the
-//! rules of [`convert`].
+//! rules of [`convert`]; [`tube`] closes one patch around a cylinder.
 //!
 //! The quantity is irradiance or radiosity in lx, per channel; nothing here depends on which.
 //!
@@ -27,6 +27,7 @@ mod quadtree;
 pub mod sphere;
 pub mod sphere_orders;
 pub mod triangle;
+pub mod tube;
 
 pub use quadtree::{Cell, Quadtree, Shape};
 
@@ -54,6 +55,8 @@ pub enum Border {
     Clamp,
     /// A sphere: u goes round, and over the first and the last row, the poles, v comes back half way round.
     Sphere,
+    /// The side of a cylinder: u goes round, and beyond the ends the outermost rows stand again.
+    Tube,
 }
 
 impl RadiosityTexture {
@@ -82,6 +85,7 @@ impl RadiosityTexture {
         let (w, h) = (i64::from(self.image.width), i64::from(self.image.height));
         let (i, j) = match self.border {
             Border::Clamp => (i.clamp(0, w - 1), j.clamp(0, h - 1)),
+            Border::Tube => (i.rem_euclid(w), j.clamp(0, h - 1)),
             Border::Sphere => {
                 let over = j < 0 || j >= h;
                 let j = if j < 0 { -j } else { j };

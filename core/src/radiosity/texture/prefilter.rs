@@ -20,13 +20,13 @@ pub const WIDEST: u32 = 6;
 /// sphere stay one value each.
 ///
 /// # Panics
-/// For another width, and for an even one on a sphere, whose texels cannot lie aside.
+/// For another width, and for an even one on what goes round, whose texels cannot lie aside.
 pub fn gaussian(texture: &RadiosityTexture, width: u32) -> RadiosityTexture {
     assert!((1..=WIDEST).contains(&width), "a Gaussian of {width} texels, 1 to {WIDEST}");
     let weights: Vec<f32> =
         (0..width).map(|i| binomial(width - 1, i) / (1u32 << (width - 1)) as f32).collect();
-    let sphere = texture.border == Border::Sphere;
-    assert!(!sphere || width % 2 == 1, "an even Gaussian of {width} texels on a sphere");
+    let closed = texture.border != Border::Clamp;
+    assert!(!closed || width % 2 == 1, "an even Gaussian of {width} texels on what goes round");
     let (more, reach) = (u32::from(width.is_multiple_of(2)), i64::from(width / 2));
     let (w, h) = (texture.image.width + more, texture.image.height + more);
     let mut image = LinearImage::from_fn(w, h, |x, y| {
@@ -38,7 +38,7 @@ pub fn gaussian(texture: &RadiosityTexture, width: u32) -> RadiosityTexture {
         }
         sum
     });
-    if sphere {
+    if texture.border == Border::Sphere {
         one_value_a_pole(&mut image);
     }
     let first = texture.first - 0.5 * more as f32 * texture.step;
