@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lumenscope_core::{
     math::{colour::luminance, frame::uniform_direction, progress::Progress, random::Rng},
-    measure::grid_texture::{GridReference, GridTexture, Kind, Prefilter, Stage, StageSettings},
+    measure::grid_texture::{Conversion, GridReference, GridTexture, Kind, Prefilter, Stage, StageSettings},
     radiosity::texture::{
         Border, RadiosityTexture,
         display::Filter,
@@ -61,6 +61,7 @@ fn the_smooth_function_passes_through_what_is_stored() {
         factor: 1,
         prefilter: Prefilter::Gaussian(1),
         shown: Filter::Mitchell,
+        ..StageSettings::default()
     };
     let [stored, smooth, shown] = grid.stages(&settings);
     assert_eq!(stored.texels(), (grid.nodes[0] * grid.nodes[1]) as usize);
@@ -70,6 +71,10 @@ fn the_smooth_function_passes_through_what_is_stored() {
         assert!((*a - *b).abs().max_element() <= 1e-5 * a.max_element().max(1.0), "{a} {b}");
     }
     assert_eq!(shown.texture, smooth.texture, "a Gaussian of one texel changes nothing");
+    let [zero, first] = grid.orders().expect("a tree");
+    for (conversion, wanted) in [(Conversion::ZeroOrder, zero), (Conversion::FirstOrder, first)] {
+        assert_eq!(grid.stages(&StageSettings { conversion, ..settings })[0], wanted);
+    }
     let fine = &grid.stages(&StageSettings { factor: 3, ..settings })[1];
     assert_eq!(fine.texture.image.width, 3 * (grid.nodes[0] - 1) + 1);
     assert!(fine.texture.image.pixels.iter().all(|p| p.cmpge(Vec3::ZERO).all()));

@@ -45,6 +45,12 @@ fn a_clicked_wall_shows_its_texture_at_three_stages_and_how_far_each_is_off() {
     });
     assert_eq!(shown(&window).stages[2].filter, Filter::Mitchell);
 
+    let nodes = shown(&window).stages[0].texels();
+    window.click("zero order");
+    window.wait("a texel a leaf", |app| {
+        app.session().texture.as_ref().is_some_and(|t| t.stages[0].texels() != nodes)
+    });
+    window.click("nodes");
     window.click("Compare with the path tracer");
     window.wait("a reference", |app| {
         let texture = app.session().texture.as_ref();

@@ -20,7 +20,7 @@ use lumenscope_core::{
         image::LinearImage,
     },
     measure::{
-        grid_texture::{GridReference, Kind, Prefilter, Stage, StageSettings},
+        grid_texture::{Conversion, GridReference, Kind, Prefilter, Stage, StageSettings},
         image::second_difference,
     },
     radiosity::texture::{display::Filter, prefilter::WIDEST},
@@ -164,6 +164,20 @@ fn settings(ui: &mut Ui, settings: &mut StageSettings) {
         });
     };
     Grid::new("stages").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        ui.label("1 texels").on_hover_text(
+            "Nodes: as the solver has them. Zero order: one texel a leaf, the mean of its corners. First order: at each \
+             corner the mean of the leaves around it",
+        );
+        ui.horizontal(|ui| {
+            for (conversion, name) in [
+                (Conversion::Nodes, "nodes"),
+                (Conversion::ZeroOrder, "zero order"),
+                (Conversion::FirstOrder, "first order"),
+            ] {
+                ui.selectable_value(&mut settings.conversion, conversion, name);
+            }
+        });
+        ui.end_row();
         ui.label("1 lookup").on_hover_text("The nodes of the surface's grid as the solver has them, and their lookup");
         lookup(ui, &mut settings.stored, [(Filter::Nearest, "nearest"), (Filter::Bilinear, "bilinear")]);
         ui.end_row();

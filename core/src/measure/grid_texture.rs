@@ -51,8 +51,11 @@ pub(super) const POINTS: [u32; 2] = [8, 48];
 
 /// How the stages are made and shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct StageSettings {
-    /// Lookup of the stored nodes.
+    /// What stage 1 shows.
+    pub conversion: Conversion,
+    /// Lookup of the stored nodes; each order has its own.
     pub stored: Filter,
     /// Texels of stage 2 a step between nodes, 1 to 4.
     pub factor: u32,
@@ -64,8 +67,26 @@ pub struct StageSettings {
 
 impl Default for StageSettings {
     fn default() -> Self {
-        Self { stored: Filter::Bilinear, factor: 2, prefilter: Prefilter::Adaptive, shown: Filter::Bilinear }
+        Self {
+            conversion: Conversion::Nodes,
+            stored: Filter::Bilinear,
+            factor: 2,
+            prefilter: Prefilter::Adaptive,
+            shown: Filter::Bilinear,
+        }
     }
+}
+
+/// What of a grid the first stage shows (Bastos 1999, §5.2 and 5.3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Conversion {
+    /// The nodes, as the solver has them.
+    #[default]
+    Nodes,
+    /// A texel a leaf.
+    ZeroOrder,
+    /// The mean of the leaves around each corner.
+    FirstOrder,
 }
 
 /// A low pass over texels.
@@ -248,8 +269,14 @@ impl GridTexture {
             Prefilter::Gaussian(width) => gaussian(&smooth, width.clamp(1, WIDEST)),
             Prefilter::Adaptive => adaptive(&smooth, super::reconstruction::ADAPTIVE_TOLERANCE),
         };
+        let nodes = || Stage { texture: self.stored.clone(), filter: settings.stored };
+        let stored = match settings.conversion {
+            Conversion::Nodes => nodes(),
+            Conversion::ZeroOrder => self.orders().map_or_else(nodes, |[zero, _]| zero),
+            Conversion::FirstOrder => self.orders().map_or_else(nodes, |[_, first]| first),
+        };
         [
-            Stage { texture: self.stored.clone(), filter: settings.stored },
+            stored,
             Stage { texture: smooth, filter: Filter::Bilinear },
             Stage { texture: filtered, filter: settings.shown },
         ]
