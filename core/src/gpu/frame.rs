@@ -1,7 +1,10 @@
 //! What one frame shows, and the uniforms it becomes.
 
 use crate::{
-    math::{false_colour::FalseColour, random::r2_point},
+    math::{
+        false_colour::FalseColour,
+        random::{fold, r2_point},
+    },
     scene::camera::Camera,
     superposition::{
         composite::{DirectQuality, Display, ToneCurve, white_luminance},
@@ -100,7 +103,7 @@ impl Frame {
         let row = |i: usize| view.row(i).truncate();
         let size = UVec2::from(settings.size);
         let half = (0.5 * camera.vertical_fov).tan();
-        let seed = settings.seed as u32;
+        let seed = fold(settings.seed);
         Self {
             eye: camera.eye,
             frame: settings.frame_index,

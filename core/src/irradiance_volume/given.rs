@@ -16,7 +16,7 @@ use super::{
 use crate::{
     math::{
         progress::Progress,
-        random::{Rng, hash2, r2_point},
+        random::{Rng, fold, hash2, r2_point},
         sphere_map::DirectionBins,
     },
     reference::path::PathTracer,
@@ -70,7 +70,7 @@ impl IrradianceVolume {
                 for bin in 0..bins.len() {
                     let item = (s * bins.len() + bin) as u64;
                     let mut rng = Rng::new(seed ^ 0x0F0E_D5A3, item);
-                    let scramble = hash2(item as u32, seed as u32 ^ (item >> 32) as u32);
+                    let scramble = hash2(item as u32, fold(seed) ^ (item >> 32) as u32);
                     for k in 0..paths {
                         let direction = bins.direction(bin, r2_point(k, scramble));
                         let ray = Ray::new(self.samples[s].position, direction);

@@ -7,7 +7,11 @@ use super::{
 };
 use crate::{
     inspection::{ColouredMesh, InspectionScene, Legend, Line, robust_range},
-    math::{progress::Progress, random::hash2, sphere_map::DirectionBins},
+    math::{
+        progress::Progress,
+        random::{fold, hash2},
+        sphere_map::DirectionBins,
+    },
     scene::world::World,
 };
 use glam::{UVec3, Vec3};
@@ -51,8 +55,7 @@ pub fn rays(
         scene.lines.extend(places.windows(2).map(|ends| Line { ends: [ends[0], ends[1]], colour }));
     }
     let targets = if settings.informed_rays > 0 { Targets::new(light) } else { Targets::default() };
-    let points =
-        targets.aim(position, settings.informed_rays.min(MOST_AIMED), hash2(0, settings.seed as u32));
+    let points = targets.aim(position, settings.informed_rays.min(MOST_AIMED), hash2(0, fold(settings.seed)));
     let mut met = 0;
     for point in &points {
         let ray = crate::scene::accel::Ray::between(position, *point);

@@ -16,7 +16,7 @@ use super::{VolumeSettings, solve::SurfaceLight};
 use crate::{
     math::{
         colour::luminance,
-        random::{hash2, r2_point},
+        random::{fold, hash2, r2_point},
         sphere_map::DirectionBins,
     },
     scene::{
@@ -226,7 +226,7 @@ pub fn trace_point(
     let share = 1.0 / rays as f32;
     let mut backs = 0u32;
     for bin in 0..bins.len() as u32 {
-        let scramble = hash2(item ^ settings.seed as u32, bin);
+        let scramble = hash2(item ^ fold(settings.seed), bin);
         for ray in 0..rays {
             let jitter = if rays == 1 { Vec2::splat(0.5) } else { r2_point(ray, scramble) };
             let mut direction = bins.direction(bin as usize, jitter);
@@ -262,7 +262,7 @@ pub fn trace_point(
             walk.hits.elements.push(element);
         }
     }
-    let scramble = hash2(hash2(item, settings.seed as u32), 0x5EED);
+    let scramble = hash2(hash2(item, fold(settings.seed)), 0x5EED);
     for j in 0..aimed {
         let (target, point) = chances.draw(r2_point(j, scramble));
         let direction = (point - position).normalize_or_zero();

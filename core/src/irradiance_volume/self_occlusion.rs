@@ -9,7 +9,7 @@ use crate::{
     inspection::{ColouredMesh, InspectionScene, Legend},
     math::{
         frame::{cosine_direction, frame_from_normal},
-        random::{hash2, r2_point},
+        random::{fold, hash2, r2_point},
     },
     scene::{
         accel::Ray,
@@ -41,7 +41,7 @@ impl DynamicObject {
             let (triangle, _) = self.places[node];
             let (position, normal) = self.place(geometry, first, node);
             let front = geometry.area_normal(first + triangle).normalize_or(Vec3::Y);
-            let scramble = hash2(node as u32, seed as u32);
+            let scramble = hash2(node as u32, fold(seed));
             let two_sided = geometry.material_of(first + triangle).double_sided;
             [1.0f32, -1.0].map(|side| {
                 if side < 0.0 && !two_sided {

@@ -14,6 +14,11 @@ pub fn hash2(a: u32, b: u32) -> u32 {
     hash(a ^ hash(b))
 }
 
+/// A seed as one word for [`hash2`] and [`r2_point`]: its halves, exclusive-or. Seeds below 2³² are themselves.
+pub fn fold(seed: u64) -> u32 {
+    seed as u32 ^ (seed >> 32) as u32
+}
+
 /// Uniform number in [0, 1) from the upper 24 bits of a word.
 pub fn unit_f32(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / 16_777_216.0)
@@ -63,5 +68,16 @@ impl Rng {
     /// Next point in [0, 1)².
     pub fn next_vec2(&mut self) -> Vec2 {
         Vec2::new(self.next_f32(), self.next_f32())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_bit_of_a_seed_is_lost_and_small_seeds_are_themselves() {
+        assert!([0, 1, 7, u32::MAX].iter().all(|&seed| fold(u64::from(seed)) == seed));
+        assert!((0..64).all(|bit| fold(1 << bit) != fold(0)));
     }
 }

@@ -23,7 +23,7 @@ use crate::{
     math::{
         frame::{cosine_direction, frame_from_normal},
         progress::Progress,
-        random::{Rng, hash2, r2_point, unit_f32},
+        random::{Rng, fold, hash2, r2_point, unit_f32},
     },
     scene::{
         accel::{Hit, Ray},
@@ -286,7 +286,7 @@ fn gather_row(
     const NEAR_SPACINGS: f32 = 4.0;
     const AT_ONCE_SPACINGS: f32 = 0.25;
     let element = &map.elements[number as usize];
-    let seed = seed as u32 ^ (seed >> 32) as u32;
+    let seed = fold(seed);
     let (scramble, first) = sequence(map, element, number, seed, row.len() as u32);
     // A grid interpolates values at its nodes; a vertex element is the mean over what it stands for.
     let node = [element.receiver()];

@@ -20,7 +20,7 @@ use crate::{
     },
     math::{
         part::Part,
-        random::{hash2, r2_point},
+        random::{fold, hash2, r2_point},
     },
     mirror::{
         pass::mirror_image,
@@ -59,12 +59,12 @@ impl Default for PassSettings {
 impl PassSettings {
     /// Place inside every pixel that this frame looks through; the centre without jitter.
     pub fn subpixel(&self) -> Vec2 {
-        if self.jitter { r2_point(self.frame, self.seed as u32) } else { Vec2::splat(0.5) }
+        if self.jitter { r2_point(self.frame, fold(self.seed)) } else { Vec2::splat(0.5) }
     }
 
     /// Scramble of this frame's shadow rays at a pixel.
     pub fn scramble(&self, pixel: u32) -> u32 {
-        hash2(pixel, hash2(self.frame, self.seed as u32))
+        hash2(pixel, hash2(self.frame, fold(self.seed)))
     }
 }
 

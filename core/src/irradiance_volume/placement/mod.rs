@@ -21,7 +21,7 @@ use crate::{
         colour::luminance,
         frame::{cosine_direction, frame_from_normal},
         part::Part,
-        random::{hash2, r2_point},
+        random::{fold, hash2, r2_point},
     },
     scene::{
         accel::Ray,
@@ -127,7 +127,7 @@ pub fn measure(
     let rays = if gathers { settings.gather_rays.max(INSIDE_RAYS) } else { INSIDE_RAYS };
     let at = |(i, position): (usize, &Option<Vec3>)| -> Point {
         let Some(position) = *position else { return Point::Beside };
-        let scramble = hash2(i as u32, settings.seed as u32);
+        let scramble = hash2(i as u32, fold(settings.seed));
         if stands_in_something(world, &grid, position) {
             return Point::Inside;
         }
