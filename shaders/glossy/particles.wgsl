@@ -115,14 +115,14 @@ fn density_of_places(met: Surface, wi: vec3f, distance: f32) -> f32 {
 fn by_emitter(emitter: EmitterInfo, surface: Surface, specular: Specular, wo: vec3f, random: vec2f) -> vec3f {
     let origin = offset_origin(surface.position, surface.geometric_normal);
     var wi = -emitter.axis;
-    var light = emitter.colour;
+    var light = emitter.emission;
     var share = 1.0;
     var way = wi;
     var t_max = FAR;
     if emitter.kind == POINT || emitter.kind == SPOT {
         let to_lamp = emitter.position - surface.position;
         wi = normalize_or(to_lamp, vec3f(0.0));
-        light = emitter.colour / dot(to_lamp, to_lamp);
+        light = emitter.emission / dot(to_lamp, to_lamp);
         if emitter.kind == SPOT {
             light *= spot_falloff(emitter, -wi);
         }
@@ -158,7 +158,7 @@ fn straight_light(surface: Surface, specular: Specular, wo: vec3f, samples: u32,
     var sum = vec3f(0.0);
     for (var i = 0u; i < frame.emitter_count; i++) {
         let emitter = emitters[i];
-        if all(emitter.colour == vec3f(0.0)) {
+        if all(emitter.emission == vec3f(0.0)) {
             continue;
         }
         let count = select(1u, samples, emitter.kind > DIRECTIONAL);

@@ -2,7 +2,7 @@
 
 struct EmitterInfo {
     // Intensity, illuminance or radiance, dimmer applied.
-    colour: vec3f,
+    emission: vec3f,
     kind: u32,
     position: vec3f,
     cos_inner: f32,
@@ -29,6 +29,7 @@ const DOUBLE_SIDED: u32 = 1u;
 const TEXTURED: u32 = 2u;
 const ANALYTIC_TRIANGLES: u32 = 16u;
 const SEARCH: u32 = 16u;
+const LARGEST_SIZE: f32 = 0.08;
 const FAR: f32 = 3.0e38;
 
 struct Receiver {
@@ -49,25 +50,37 @@ fn angle(y: f32, x: f32) -> f32 {
     return select(twice, PI - twice, x < 0.0);
 }
 
-// Twin of `direct::polygon_irradiance`; crosses with the edge rather than the far corner, which
-// keeps in f32 what the specification keeps by f64.
-fn polygon_irradiance(position: vec3f, n: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
-    var relative = array<vec3f, 3>(a - position, b - position, c - position);
-    var clipped: array<vec3f, 4>;
-    var count = 0u;
+struct Polygon {
+    // From the receiver.
+    corners: array<vec3f, 4>,
+    count: u32,
+}
+
+// Twin of `direct::above_horizon`.
+fn above_horizon(position: vec3f, n: vec3f, triangle: array<vec3f, 3>) -> Polygon {
+    var relative = array<vec3f, 3>(triangle[0] - position, triangle[1] - position, triangle[2] - position);
+    var clipped = Polygon();
     for (var i = 0u; i < 3u; i++) {
         let k = (i + 1u) % 3u;
         let here = dot(relative[i], n);
         let there = dot(relative[k], n);
         if here >= 0.0 {
-            clipped[count] = relative[i];
-            count += 1u;
+            clipped.corners[clipped.count] = relative[i];
+            clipped.count += 1u;
         }
-        if (here < 0.0) != (there < 0.0) && count < 4u {
-            clipped[count] = mix(relative[i], relative[k], here / (here - there));
-            count += 1u;
+        if (here < 0.0) != (there < 0.0) && clipped.count < 4u {
+            clipped.corners[clipped.count] = mix(relative[i], relative[k], here / (here - there));
+            clipped.count += 1u;
         }
     }
+    return clipped;
+}
+
+// Twin of `direct::polygon_irradiance`; crosses with the edge rather than the far corner, which
+// keeps in f32 what the specification keeps by f64.
+fn polygon_irradiance(n: vec3f, polygon: Polygon) -> f32 {
+    var clipped = polygon.corners;
+    let count = polygon.count;
     var sum = 0.0;
     for (var i = 0u; i < count; i++) {
         let p = clipped[i];
@@ -89,7 +102,7 @@ fn distant_irradiance(position: vec3f, n: vec3f, triangle: array<vec3f, 3>, area
     let centre = a + b + c;
     let size = max(max(dot(b - a, b - a), dot(c - b, c - b)), dot(a - c, a - c));
     let lowest = min(min(dot(a, n), dot(b, n)), dot(c, n));
-    if size > 0.0064 * dot(centre, centre) / 9.0 || lowest < 0.0 {
+    if size > LARGEST_SIZE * LARGEST_SIZE * dot(centre, centre) / 9.0 || lowest < 0.0 {
         return -1.0;
     }
     var middles = array<vec3f, 3>(0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
@@ -102,23 +115,39 @@ fn distant_irradiance(position: vec3f, n: vec3f, triangle: array<vec3f, 3>, area
     return sum / 6.0;
 }
 
+struct FacingTriangle {
+    // Counter-clockwise from the receiver.
+    corners: array<vec3f, 3>,
+    area_normal: vec3f,
+    shines: bool,
+}
+
+// Twin of `direct::facing_triangles`: one of them.
+fn facing_triangle(emitter: EmitterInfo, i: u32, receiver: Receiver) -> FacingTriangle {
+    let t = 3u * emitter_triangles[emitter.first + i].triangle;
+    let a = corners[t].position;
+    let b = corners[t + 1u].position;
+    let c = corners[t + 2u].position;
+    let area_normal = cross(b - a, c - a);
+    let faces = dot(area_normal, receiver.position - a) > 0.0;
+    let in_turn = array<vec3f, 3>(a, select(c, b, faces), select(b, c, faces));
+    let shines = faces || (emitter.flags & DOUBLE_SIDED) != 0u;
+    return FacingTriangle(in_turn, select(-area_normal, area_normal, faces), shines);
+}
+
 fn area_factor(emitter: EmitterInfo, receiver: Receiver) -> f32 {
     var factor = 0.0;
-    for (var i = emitter.first; i < emitter.first + emitter.count; i++) {
-        let t = 3u * emitter_triangles[i].triangle;
-        let a = corners[t].position;
-        let b = corners[t + 1u].position;
-        let c = corners[t + 2u].position;
-        let area_normal = cross(b - a, c - a);
-        let faces = dot(area_normal, receiver.position - a) > 0.0;
-        if !faces && (emitter.flags & DOUBLE_SIDED) == 0u {
+    for (var i = 0u; i < emitter.count; i++) {
+        let triangle = facing_triangle(emitter, i, receiver);
+        if !triangle.shines {
             continue;
         }
-        let distant = distant_irradiance(receiver.position, receiver.normal, array<vec3f, 3>(a, b, c), area_normal);
+        let distant = distant_irradiance(receiver.position, receiver.normal, triangle.corners, triangle.area_normal);
         if distant >= 0.0 {
             factor += distant;
         } else {
-            factor += polygon_irradiance(receiver.position, receiver.normal, a, select(c, b, faces), select(b, c, faces));
+            let clipped = above_horizon(receiver.position, receiver.normal, triangle.corners);
+            factor += polygon_irradiance(receiver.normal, clipped);
         }
     }
     return factor;
@@ -165,7 +194,7 @@ fn emitter_point(emitter: EmitterInfo, random: vec2f) -> EmitterPoint {
     let c = corners[3u * chosen.triangle + 2u];
     let position = a.position * w + b.position * u + c.position * v;
     let normal = normalize_or(cross(b.position - a.position, c.position - a.position), vec3f(0.0, 1.0, 0.0));
-    var radiance = emitter.colour;
+    var radiance = emitter.emission;
     if (emitter.flags & TEXTURED) != 0u {
         let uv = vec2f(a.u, a.v) * w + vec2f(b.u, b.v) * u + vec2f(c.u, c.v) * v;
         radiance *= sample_repeat(materials[triangles[chosen.triangle].material].emission_texture, uv);
@@ -197,12 +226,12 @@ fn spot_falloff(emitter: EmitterInfo, from_lamp: vec3f) -> f32 {
 
 fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: u32, scramble: u32) -> vec3f {
     let emitter = emitters[index];
-    if all(emitter.colour == vec3f(0.0)) {
+    if all(emitter.emission == vec3f(0.0)) {
         return vec3f(0.0);
     }
     if emitter.kind == DIRECTIONAL {
         let wi = -emitter.axis;
-        let e = emitter.colour * max(dot(receiver.normal, wi), 0.0);
+        let e = emitter.emission * max(dot(receiver.normal, wi), 0.0);
         if all(e == vec3f(0.0)) {
             return vec3f(0.0);
         }
@@ -216,7 +245,7 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
         if !(d2 > 0.0) || cosine <= 0.0 {
             return vec3f(0.0);
         }
-        var e = emitter.colour * (cosine / d2);
+        var e = emitter.emission * (cosine / d2);
         if emitter.kind == SPOT {
             e *= spot_falloff(emitter, -wi);
         }
@@ -237,7 +266,7 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
     var total = 0.0;
     var visible = vec3f(0.0);
     var sum = vec3f(0.0);
-    // Where all points fell on what faces away or lies below the horizon, more are drawn until one does not.
+    // Twin of `direct::of_area`.
     let most = select(rays, SEARCH * rays, analytic);
     for (var j = 0u; j < most && (j < rays || total == 0.0); j++) {
         let drawn = area_sample(tree_count, emitter, receiver, j, scramble);
@@ -246,8 +275,21 @@ fn emitter_irradiance(tree_count: u32, index: u32, receiver: Receiver, samples: 
         sum += drawn.radiance * drawn.seen * drawn.weight;
     }
     if analytic {
+        for (var i = 0u; i < select(emitter.count, 0u, total > 0.0); i++) {
+            let triangle = facing_triangle(emitter, i, receiver);
+            var clipped = above_horizon(receiver.position, receiver.normal, triangle.corners);
+            let weight = select(0.0, polygon_irradiance(receiver.normal, clipped), triangle.shines);
+            if weight > 0.0 {
+                // Corners beyond the number are zero.
+                let sum = clipped.corners[0] + clipped.corners[1] + clipped.corners[2] + clipped.corners[3];
+                let middle = receiver.position + sum / f32(clipped.count);
+                let end = offset_origin(middle, normalize(triangle.area_normal));
+                visible += weight * transmittance(tree_count, receiver.origin, end - receiver.origin, 1.0 - 1e-4);
+                total += weight;
+            }
+        }
         if total > 0.0 {
-            return emitter.colour * visible * (factor / total);
+            return emitter.emission * visible * (factor / total);
         }
         return vec3f(0.0);
     }

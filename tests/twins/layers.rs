@@ -14,7 +14,7 @@ use lumenscope_core::{
     superposition::{PassSettings, accumulator::Accumulator, render},
     transport::guests::Visitor,
 };
-use lumenscope_tests::{cornell, with_moved_block};
+use lumenscope_tests::{add, cornell, diffuse, rectangle, with_moved_block};
 
 /// The same light with the short block moved.
 fn moved(solution: &LightTransportSolution) -> LightTransportSolution {
@@ -48,6 +48,29 @@ fn every_layer_agrees_where_nothing_moved_and_where_an_object_did() {
             compare(&format!("{what}, {direct:?}"), (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
         }
     }
+}
+
+#[test]
+fn a_lamp_almost_below_the_horizon_lights_alike() {
+    let Some(context) = context() else { return };
+    let mut gpu = Gpu::new(context);
+    // Of a panel 10 m high no more than 30 cm stand over the plate's horizon: one point seldom falls there.
+    let mut scene = Scene::default();
+    let panel = rectangle(Vec3::new(-5.0, -9.7, -2.0), Vec3::X * 10.0, Vec3::Y * 10.0);
+    add(&mut scene, "panel", panel, diffuse("panel", Vec3::ZERO, Vec3::splat(1000.0)));
+    let plate = rectangle(Vec3::new(-0.2, 0.0, -0.2), 0.4 * Vec3::Z, 0.4 * Vec3::X);
+    add(&mut scene, "plate", plate, diffuse("plate", Vec3::splat(0.5), Vec3::ZERO));
+    let camera = Camera { eye: Vec3::new(0.1, 0.4, 0.3), target: Vec3::ZERO, ..Camera::default() };
+    let solution = lumenscope_tests::solved(scene, 0.5);
+    gpu.upload(&solution);
+    let direct = DirectQuality::PerPixel(1);
+    gpu.frame(&frame_settings(camera, direct));
+    let settings = PassSettings { direct, seed: 1, ..PassSettings::default() };
+    let (buffer, layers) = render(&solution, &camera, SIZE[0], SIZE[1], &settings);
+    compare_layers("grazing", &[Layer::Direct], (&gpu.triangles(), &gpu.layers()), (&buffer, &layers));
+    let lit =
+        layers.get(Layer::Direct).pixels.iter().zip(&buffer.triangle).filter(|(_, t)| **t >= 2 && **t < 4);
+    assert!(lit.clone().count() > 1000 && lit.into_iter().all(|(l, _)| l.x > 0.0));
 }
 
 /// The same light whose pictures look it up bicubically.

@@ -1,4 +1,4 @@
-//! Structures have the same layout in Rust and in WGSL.
+//! Structures have the same layout in Rust and in WGSL, and constants the same value.
 
 use bytemuck::offset_of;
 use lumenscope_core::{
@@ -142,7 +142,7 @@ fn structures_have_the_same_layout_on_both_sides() {
         SHADE,
         "EmitterInfo",
         tables::EmitterInfo,
-        colour,
+        emission,
         kind,
         position,
         cos_inner,
@@ -193,4 +193,42 @@ fn structures_have_the_same_layout_on_both_sides() {
         natural,
         padding
     );
+}
+
+/// A constant of a program.
+fn constant_of(program: &shaders::Program, name: &str) -> f64 {
+    let module = naga::front::wgsl::parse_str(&program.source()).unwrap();
+    let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+    match module.global_expressions[constant.init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => value.into(),
+        naga::Expression::Literal(naga::Literal::F32(value)) => value.into(),
+        ref other => panic!("{name} is {other:?}"),
+    }
+}
+
+#[test]
+fn constants_have_the_same_value_on_both_sides() {
+    use lumenscope_core::{
+        glossy::{invariant, lobes, particles, variant},
+        mirror::images::visible,
+        scene::{direct, glass},
+    };
+    use shaders::{GLOSSY, MIRROR_SPLAT, PARTICLES, SHADE};
+    for (program, name, value) in [
+        (SHADE, "NONE", f64::from(tables::NONE)),
+        (SHADE, "ANALYTIC_TRIANGLES", direct::ANALYTIC_TRIANGLES as f64),
+        (SHADE, "SEARCH", direct::SEARCH.into()),
+        (SHADE, "LARGEST_SIZE", direct::LARGEST_SIZE.into()),
+        (SHADE, "MOST_FACES", glass::MOST_FACES as f64),
+        (GLOSSY, "WIDEST", invariant::WIDEST.into()),
+        (GLOSSY, "PEAK", invariant::PEAK.into()),
+        (GLOSSY, "MEASURED", invariant::MEASURED.into()),
+        (GLOSSY, "MOST_RADIUS", invariant::MOST_RADIUS.into()),
+        (GLOSSY, "ANGLES", lobes::ANGLES as f64),
+        (GLOSSY, "REACH_LEVEL", variant::REACH_LEVEL as f64),
+        (PARTICLES, "LEAST_SAMPLES", particles::pass::LEAST_SAMPLES.into()),
+        (MIRROR_SPLAT, "LEAF", visible::LEAF.into()),
+    ] {
+        assert_eq!(constant_of(&program, name), value, "{name} of {}", program.name);
+    }
 }

@@ -12,7 +12,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct EmitterInfo {
     /// Intensity (cd), illuminance (lx) or radiance (cd/m²), dimmer applied.
-    pub colour: Vec3,
+    pub emission: Vec3,
     /// 0 point, 1 spot, 2 directional, 3 area.
     pub kind: u32,
     /// Position of a lamp, m.
@@ -55,17 +55,17 @@ pub fn emitters(emitters: &Emitters) -> (Vec<EmitterInfo>, Vec<EmitterTriangle>)
                     EmitterInfo { position: lamp.position(), axis: lamp.axis(), ..EmitterInfo::default() };
                 match lamp.kind {
                     LampKind::Point { intensity } => {
-                        EmitterInfo { colour: intensity * lamp.dimmer, kind: 0, ..info }
+                        EmitterInfo { emission: intensity * lamp.dimmer, kind: 0, ..info }
                     }
                     LampKind::Spot { intensity, inner_angle, outer_angle } => EmitterInfo {
-                        colour: intensity * lamp.dimmer,
+                        emission: intensity * lamp.dimmer,
                         kind: 1,
                         cos_inner: inner_angle.cos(),
                         cos_outer: outer_angle.cos(),
                         ..info
                     },
                     LampKind::Directional { illuminance } => {
-                        EmitterInfo { colour: illuminance * lamp.dimmer, kind: 2, ..info }
+                        EmitterInfo { emission: illuminance * lamp.dimmer, kind: 2, ..info }
                     }
                 }
             }
@@ -78,7 +78,7 @@ pub fn emitters(emitters: &Emitters) -> (Vec<EmitterInfo>, Vec<EmitterTriangle>)
                         .map(|(&triangle, &cumulative_area)| EmitterTriangle { triangle, cumulative_area }),
                 );
                 EmitterInfo {
-                    colour: area.radiance,
+                    emission: area.radiance,
                     kind: 3,
                     first,
                     count: area.triangles.len() as u32,

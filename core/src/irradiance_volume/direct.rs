@@ -11,11 +11,14 @@ use super::{
     leaves::{Leaves, Piece},
 };
 use crate::{
-    math::{colour::luminance, random::r2_point},
+    math::{
+        colour::luminance,
+        random::{fold, r2_point},
+    },
     scene::{
         accel::{Ray, Shaft},
-        emitters::{AreaEmitter, Emitter},
-        lamp::{Lamp, LampKind},
+        emitters::{AreaEmitter, Emitter, Facing},
+        lamp::Lamp,
         world::World,
     },
 };
@@ -247,24 +250,20 @@ impl<'a> Asked<'a> {
         let count = 2 * asking.rays.max(4);
         let mut total = 0.0f64;
         for j in 0..count {
-            let point = area.point(&world.geometry, r2_point(j, asking.seed as u32));
-            let to_light = point.position - position;
-            let d2 = to_light.length_squared();
-            let direction = to_light / d2.sqrt();
-            let facing = -point.normal.dot(direction);
-            let facing = if area.double_sided { facing.abs() } else { facing };
-            if facing > 0.0 && d2 > 0.0 {
-                total += f64::from(facing / d2);
-                let ray = Ray::between(position, point.position);
-                let seen = if world.glass {
-                    world.transmittance(&ray)
-                } else {
-                    Vec3::splat(f32::from(u8::from(!world.accel.occluded_in(&ray, &mut self.shaft))))
-                };
-                let normal_irradiance = point.radiance * seen * (facing / d2);
-                if normal_irradiance != Vec3::ZERO {
-                    self.list.push(Arrival { direction, normal_irradiance });
-                }
+            let point = area.point(&world.geometry, r2_point(j, fold(asking.seed)));
+            let Some(Facing { wi: direction, d2, cosine, .. }) = area.facing(&point, position) else {
+                continue;
+            };
+            total += f64::from(cosine / d2);
+            let ray = Ray::between(position, point.position);
+            let seen = if world.glass {
+                world.transmittance(&ray)
+            } else {
+                Vec3::splat(f32::from(u8::from(!world.accel.occluded_in(&ray, &mut self.shaft))))
+            };
+            let normal_irradiance = point.radiance * seen * (cosine / d2);
+            if normal_irradiance != Vec3::ZERO {
+                self.list.push(Arrival { direction, normal_irradiance });
             }
         }
         let exact: f64 = area
@@ -280,22 +279,11 @@ impl<'a> Asked<'a> {
 }
 
 fn of_lamp(world: &World, lamp: &Lamp, position: Vec3) -> Option<Arrival> {
-    let (direction, normal_irradiance, ray) = match lamp.kind {
-        LampKind::Directional { illuminance } => {
-            let wi = -lamp.axis();
-            (wi, illuminance * lamp.dimmer, Ray::new(position, wi))
-        }
-        _ => {
-            let to_lamp = lamp.position() - position;
-            let d2 = to_lamp.length_squared();
-            let wi = to_lamp / d2.sqrt();
-            (wi, lamp.intensity_towards(-wi) / d2, Ray::between(position, lamp.position()))
-        }
-    };
+    let (direction, normal_irradiance) = lamp.arriving(position);
     if normal_irradiance == Vec3::ZERO || !normal_irradiance.is_finite() {
         return None;
     }
-    let normal_irradiance = normal_irradiance * world.transmittance(&ray);
+    let normal_irradiance = normal_irradiance * world.transmittance(&lamp.ray_from(position));
     (normal_irradiance != Vec3::ZERO).then_some(Arrival { direction, normal_irradiance })
 }
 

@@ -11,7 +11,7 @@
 use super::reflectors::{NO_REFLECTOR, Reflector, Reflectors};
 use crate::scene::{
     accel::Ray,
-    direct::{self, AreaSample, Receiver},
+    direct::{self, Receiver},
     emitters::Emitter,
     geometry::{Geometry, offset_origin},
     lamp::{Lamp, LampKind},
@@ -137,28 +137,10 @@ impl Images {
                 let e = direct::unshadowed_lamp(lamp, &image);
                 if e == Vec3::ZERO { sum } else { sum + e * passed(receiver, Target::of(lamp)) }
             }),
-            Emitter::Area(area) if area.radiance == Vec3::ZERO => Vec3::ZERO,
             Emitter::Area(area) => {
                 let seen_from = seen_from.map(|(receiver, image, scramble)| ((receiver, image), scramble));
-                let arrives =
-                    |receiver: &Receiver, sample: &AreaSample| passed(receiver, Target::Point(sample.target));
-                if direct::has_closed_form(area) {
-                    return direct::partly_hidden(
-                        world,
-                        area,
-                        seen_from,
-                        samples,
-                        |r| &r.1,
-                        |r, s| arrives(r.0, s),
-                    );
-                }
-                let samples = samples.max(1);
-                let sum = seen_from.fold(Vec3::ZERO, |sum, ((receiver, image), scramble)| {
-                    let points =
-                        (0..samples).filter_map(|j| direct::area_sample(world, area, &image, j, scramble));
-                    points.fold(sum, |sum, s| sum + s.radiance * arrives(receiver, &s) * s.weight)
-                });
-                sum * (area.area() / samples as f32)
+                let arrives = |r: &(&Receiver, Receiver), target| passed(r.0, Target::Point(target));
+                direct::of_area(world, area, seen_from, samples, |r| &r.1, arrives)
             }
         }
     }

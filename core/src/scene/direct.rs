@@ -6,9 +6,8 @@
 
 use super::{
     accel::Ray,
-    emitters::{AreaEmitter, Emitter},
+    emitters::{AreaEmitter, Emitter, Facing},
     geometry::{Surface, offset_origin},
-    lamp::LampKind,
     world::World,
 };
 use crate::math::random::r2_point;
@@ -17,8 +16,11 @@ use glam::{DVec3, Vec3};
 /// Area emitters of at most this many triangles are integrated in closed form.
 pub const ANALYTIC_TRIANGLES: usize = 16;
 
+/// Triangles up to this edge a metre of distance are integrated by three points: [`distant_irradiance`].
+pub const LARGEST_SIZE: f32 = 0.08;
+
 /// How many times as many points are drawn at most, where all of the first lie where the light does not come from.
-const SEARCH: u32 = 16;
+pub const SEARCH: u32 = 16;
 
 /// A place to receive light, on one side of a surface or in the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,26 +67,12 @@ pub fn irradiance(
     match emitter {
         Emitter::Lamp { lamp, .. } => {
             let e = unshadowed_lamp(lamp, receiver);
-            let ray = match lamp.kind {
-                LampKind::Directional { .. } => Ray::new(receiver.origin(), -lamp.axis()),
-                _ => Ray::between(receiver.origin(), lamp.position()),
-            };
-            if e == Vec3::ZERO { e } else { e * world.transmittance(&ray) }
+            if e == Vec3::ZERO { e } else { e * world.transmittance(&lamp.ray_from(receiver.origin())) }
         }
-        Emitter::Area(area) if area.radiance == Vec3::ZERO || below_horizon(area, receiver) => Vec3::ZERO,
-        Emitter::Area(area) if has_closed_form(area) => {
-            let one = [(receiver, scramble)];
-            partly_hidden(world, area, one.into_iter(), samples, |r| *r, |r, s| s.seen(world, r))
-        }
+        Emitter::Area(area) if below_horizon(area, receiver) => Vec3::ZERO,
         Emitter::Area(area) => {
-            let mut sum = Vec3::ZERO;
-            for j in 0..samples.max(1) {
-                let sample = area_sample(world, area, receiver, j, scramble);
-                if let Some(sample) = sample {
-                    sum += sample.radiance * sample.seen(world, receiver) * sample.weight;
-                }
-            }
-            sum * (area.area() / samples.max(1) as f32)
+            let one = [(receiver, scramble)];
+            of_area(world, area, one.into_iter(), samples, |r| *r, |r, target| arrives(world, r, target))
         }
     }
 }
@@ -101,64 +89,82 @@ pub fn mean_irradiance<'a>(
     samples: u32,
 ) -> Vec3 {
     let count = receivers.len().max(1) as f32;
-    if let Emitter::Area(area) = emitter
-        && has_closed_form(area)
-    {
-        let facing = receivers.filter(|(r, _)| !below_horizon(area, r));
-        return partly_hidden(world, area, facing, samples, |r| *r, |r, s| s.seen(world, r)) / count;
-    }
-    receivers.fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble))
-        / count
+    let sum = match emitter {
+        Emitter::Area(area) => {
+            let facing = receivers.filter(|(r, _)| !below_horizon(area, r));
+            of_area(world, area, facing, samples, |r| *r, |r, target| arrives(world, r, target))
+        }
+        Emitter::Lamp { .. } => receivers
+            .fold(Vec3::ZERO, |sum, (r, scramble)| sum + irradiance(world, emitter, r, samples, scramble)),
+    };
+    sum / count
 }
 
-/// Sum over receivers of the closed-form irradiance from one emitter, lx per channel, times the share of it that
-/// `seen` lets arrive at `samples` points.
+/// Share of the light of a point of an emitter that arrives.
+fn arrives(world: &World, receiver: &Receiver, target: Vec3) -> Vec3 {
+    world.transmittance(&Ray::between(receiver.origin(), target))
+}
+
+/// Sum over receivers of the irradiance from an area emitter, lx per channel, by `samples` points of it at each;
+/// `seen` is the share of a point's light that arrives.
 ///
-/// Where all points fell on what faces away or lies below the horizon, nothing is known of the rest yet: more are
-/// drawn, until one does not.
-pub(crate) fn partly_hidden<R>(
+/// Plain and of few triangles: E ≈ L F Σ wᵢ Vᵢ / Σ wᵢ with F the closed form of all receivers and w = cos θ cos θ′ / d².
+/// Where all points fell on what faces away or lies below the horizon, nothing is known of the rest yet: more are drawn
+/// until one does not, up to [`SEARCH`] times as many, and then each triangle is asked at the middle of what is above
+/// the horizon. Any other: E ≈ A / N Σ Lᵢ wᵢ Vᵢ.
+pub(crate) fn of_area<R>(
     world: &World,
     area: &AreaEmitter,
     receivers: impl Iterator<Item = (R, u32)> + Clone,
     samples: u32,
     receiver: impl Fn(&R) -> &Receiver,
-    seen: impl Fn(&R, &AreaSample) -> Vec3,
+    seen: impl Fn(&R, Vec3) -> Vec3,
 ) -> Vec3 {
     if area.radiance == Vec3::ZERO {
         return Vec3::ZERO;
     }
     let samples = samples.max(1);
-    let (mut unshadowed, mut visible, mut total) = (0.0, Vec3::ZERO, 0.0);
     let point = |from: &R, j: u32, scramble: u32| {
         let sample = area_sample(world, area, receiver(from), j, scramble)?;
-        Some((seen(from, &sample) * sample.weight, sample.weight))
+        Some((seen(from, sample.target) * sample.weight, sample))
     };
+    if area.textured || area.triangles.len() > ANALYTIC_TRIANGLES {
+        let sum = receivers.fold(Vec3::ZERO, |sum, (from, scramble)| {
+            let points = (0..samples).filter_map(|j| point(&from, j, scramble));
+            points.fold(sum, |sum, (light, sample)| sum + sample.radiance * light)
+        });
+        return sum * (area.area() / samples as f32);
+    }
+    let (mut unshadowed, mut visible, mut total) = (0.0, Vec3::ZERO, 0.0);
     for (from, scramble) in receivers.clone() {
         let factor = area_factor(world, area, receiver(&from));
         if factor == 0.0 {
             continue;
         }
         unshadowed += factor;
-        for (light, weight) in (0..samples).filter_map(|j| point(&from, j, scramble)) {
+        for (light, sample) in (0..samples).filter_map(|j| point(&from, j, scramble)) {
             visible += light;
-            total += weight;
+            total += sample.weight;
         }
     }
     for j in samples..SEARCH * samples {
         if total > 0.0 || unshadowed == 0.0 {
             break;
         }
-        for (light, weight) in receivers.clone().filter_map(|(from, scramble)| point(&from, j, scramble)) {
+        for (light, sample) in receivers.clone().filter_map(|(from, scramble)| point(&from, j, scramble)) {
             visible += light;
-            total += weight;
+            total += sample.weight;
+        }
+    }
+    if total == 0.0 && unshadowed > 0.0 {
+        for (from, _) in receivers {
+            for (factor, middle) in factors(world, area, receiver(&from)) {
+                visible += seen(&from, middle) * factor;
+                total += factor;
+            }
         }
     }
     if total > 0.0 { area.radiance * visible * (unshadowed / total) } else { Vec3::ZERO }
-}
-
-/// Whether light of an area emitter is the closed form times the share that is seen, or sampled as a whole.
-pub(crate) fn has_closed_form(area: &AreaEmitter) -> bool {
-    !area.textured && area.triangles.len() <= ANALYTIC_TRIANGLES
 }
 
 /// Whether a receiver faces away from the whole of an emitter.
@@ -178,57 +184,66 @@ pub fn total_irradiance(world: &World, receiver: &Receiver, samples: u32, scramb
 
 /// Light of a lamp if nothing is between, lx: I cos θ / d² of a point or spot lamp.
 pub(crate) fn unshadowed_lamp(lamp: &super::lamp::Lamp, receiver: &Receiver) -> Vec3 {
-    if let LampKind::Directional { illuminance } = lamp.kind {
-        return illuminance * (lamp.dimmer * receiver.normal.dot(-lamp.axis()).max(0.0));
-    }
-    let to_lamp = lamp.position() - receiver.position;
-    let d2 = to_lamp.length_squared();
-    let wi = to_lamp / d2.sqrt();
-    let cosine = receiver.normal.dot(wi);
-    if d2 == 0.0 || !wi.is_finite() || cosine <= 0.0 {
-        return Vec3::ZERO;
-    }
-    lamp.intensity_towards(-wi) * (cosine / d2)
+    let (wi, light) = lamp.arriving(receiver.position);
+    light * receiver.normal.dot(wi).max(0.0)
 }
 
 /// Irradiance a unit radiance over the whole emitter would give, sr projected, unshadowed.
-pub(crate) fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
-    let mut factor = 0.0;
-    for &t in &area.triangles {
+fn area_factor(world: &World, area: &AreaEmitter, receiver: &Receiver) -> f32 {
+    facing_triangles(world, area, receiver)
+        .map(|(corners, area_normal)| {
+            let Receiver { position, normal, .. } = *receiver;
+            distant_irradiance(position, normal, corners, area_normal)
+                .map_or_else(|| polygon_irradiance(position, normal, &corners), f64::from)
+        })
+        .sum::<f64>() as f32
+}
+
+/// Of each triangle its part of [`area_factor`], and the middle of what is above the horizon, off the surface.
+fn factors<'a>(
+    world: &'a World,
+    area: &'a AreaEmitter,
+    receiver: &'a Receiver,
+) -> impl Iterator<Item = (f32, Vec3)> + 'a {
+    facing_triangles(world, area, receiver).filter_map(|(corners, area_normal)| {
+        let (clipped, count) = above_horizon(receiver.position, receiver.normal, &corners);
+        let middle = clipped[..count].iter().sum::<DVec3>() / count.max(1) as f64;
+        let factor = polygon_irradiance(receiver.position, receiver.normal, &corners) as f32;
+        let towards = area_normal.normalize_or_zero();
+        (factor > 0.0).then(|| (factor, offset_origin(receiver.position + middle.as_vec3(), towards)))
+    })
+}
+
+/// Triangles of an area emitter that shine on a receiver's place, counter-clockwise from there, with the cross product
+/// of two edges.
+fn facing_triangles<'a>(
+    world: &'a World,
+    area: &'a AreaEmitter,
+    receiver: &'a Receiver,
+) -> impl Iterator<Item = ([Vec3; 3], Vec3)> + 'a {
+    area.triangles.iter().filter_map(|&t| {
         let [a, b, c] = world.geometry.positions[t as usize];
         let area_normal = world.geometry.area_normal(t);
         let faces = area_normal.dot(receiver.position - a) > 0.0;
-        if !faces && !area.double_sided {
-            continue;
+        match faces {
+            true => Some(([a, b, c], area_normal)),
+            false => area.double_sided.then_some(([a, c, b], -area_normal)),
         }
-        factor += match distant_irradiance(receiver.position, receiver.normal, [a, b, c], area_normal) {
-            Some(e) => f64::from(e),
-            None if faces => polygon_irradiance(receiver.position, receiver.normal, &[a, b, c]),
-            None => polygon_irradiance(receiver.position, receiver.normal, &[a, c, b]),
-        };
-    }
-    factor as f32
+    })
 }
 
 /// A point of an area emitter that faces a receiver.
-pub(crate) struct AreaSample {
+struct AreaSample {
     /// cos θ cos θ′ / d², 1/m² sr.
-    pub weight: f32,
+    weight: f32,
     /// Its radiance, cd/m².
-    pub radiance: Vec3,
+    radiance: Vec3,
     /// The point, off the emitter's surface.
-    pub target: Vec3,
-}
-
-impl AreaSample {
-    /// Share of it that arrives.
-    fn seen(&self, world: &World, receiver: &Receiver) -> Vec3 {
-        world.transmittance(&Ray::between(receiver.origin(), self.target))
-    }
+    target: Vec3,
 }
 
 /// The `j`-th point of an area emitter for a receiver; `None` where they do not face each other.
-pub(crate) fn area_sample(
+fn area_sample(
     world: &World,
     area: &AreaEmitter,
     receiver: &Receiver,
@@ -236,17 +251,10 @@ pub(crate) fn area_sample(
     scramble: u32,
 ) -> Option<AreaSample> {
     let point = area.point(&world.geometry, r2_point(j, scramble));
-    let to_light = point.position - receiver.position;
-    let d2 = to_light.length_squared();
-    let wi = to_light / d2.sqrt();
+    let Facing { wi, d2, cosine: cosine_light, target } = area.facing(&point, receiver.position)?;
     let cosine = receiver.normal.dot(wi);
-    let facing = -point.normal.dot(wi);
-    let cosine_light = if area.double_sided { facing.abs() } else { facing };
-    if d2 == 0.0 || !wi.is_finite() || cosine <= 0.0 || cosine_light <= 0.0 {
-        return None;
-    }
-    let target = offset_origin(point.position, point.normal * facing.signum());
-    Some(AreaSample { weight: cosine * cosine_light / d2, radiance: point.radiance, target })
+    let sample = AreaSample { weight: cosine * cosine_light / d2, radiance: point.radiance, target };
+    (cosine > 0.0).then_some(sample)
 }
 
 /// [`polygon_irradiance`] of a triangle that is small for its distance and above the horizon, by the
@@ -256,7 +264,6 @@ pub(crate) fn area_sample(
 /// third order in size over distance: here below 2e-4 of what a receiver that faces the triangle gets, at
 /// a tenth of the closed form's cost.
 fn distant_irradiance(position: Vec3, normal: Vec3, corners: [Vec3; 3], area_normal: Vec3) -> Option<f32> {
-    const LARGEST_SIZE: f32 = 0.08;
     let [a, b, c] = corners.map(|corner| corner - position);
     let distance_squared = (a + b + c).length_squared() / 9.0;
     let size_squared = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
@@ -277,8 +284,23 @@ fn distant_irradiance(position: Vec3, normal: Vec3, corners: [Vec3; 3], area_nor
 /// counter-clockwise seen from the receiver's side. Unit: projected solid angle, sr.
 pub fn polygon_irradiance(position: Vec3, normal: Vec3, corners: &[Vec3; 3]) -> f64 {
     let n = normal.as_dvec3();
+    let (clipped, count) = above_horizon(position, normal, corners);
+    let mut sum = 0.0;
+    for i in 0..count {
+        let (a, b) = (clipped[i], clipped[(i + 1) % count]);
+        let cross = a.cross(b);
+        let sine = cross.length();
+        if sine > 1e-300 {
+            sum += sine.atan2(a.dot(b)) * cross.dot(n) / sine;
+        }
+    }
+    (0.5 * sum).abs()
+}
+
+/// Corners, from the receiver, of what is above its horizon of a triangle, and their number.
+fn above_horizon(position: Vec3, normal: Vec3, corners: &[Vec3; 3]) -> ([DVec3; 4], usize) {
     let relative = corners.map(|c| c.as_dvec3() - position.as_dvec3());
-    let height = relative.map(|r| r.dot(n));
+    let height = relative.map(|r| r.dot(normal.as_dvec3()));
     let mut clipped = [DVec3::ZERO; 4];
     let mut count = 0;
     for i in 0..3 {
@@ -292,16 +314,7 @@ pub fn polygon_irradiance(position: Vec3, normal: Vec3, corners: &[Vec3; 3]) -> 
             count += 1;
         }
     }
-    let mut sum = 0.0;
-    for i in 0..count {
-        let (a, b) = (clipped[i], clipped[(i + 1) % count]);
-        let cross = a.cross(b);
-        let sine = cross.length();
-        if sine > 1e-300 {
-            sum += sine.atan2(a.dot(b)) * cross.dot(n) / sine;
-        }
-    }
-    (0.5 * sum).abs()
+    (clipped, count)
 }
 
 #[cfg(test)]

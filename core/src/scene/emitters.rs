@@ -2,7 +2,7 @@
 
 use super::{
     Scene, Target,
-    geometry::Geometry,
+    geometry::{Geometry, offset_origin},
     lamp::{Lamp, LampKind},
 };
 use crate::math::colour::luminance;
@@ -152,7 +152,31 @@ impl Emitter {
     }
 }
 
+/// A point of an area emitter as it is seen from a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing {
+    /// Unit direction towards it.
+    pub wi: Vec3,
+    /// Squared distance, m².
+    pub d2: f32,
+    /// Cosine of the angle that its light leaves it at.
+    pub cosine: f32,
+    /// The point, off the emitter's surface, m.
+    pub target: Vec3,
+}
+
 impl AreaEmitter {
+    /// How one of its points is seen from a place; `None` where it faces away.
+    pub fn facing(&self, point: &EmitterPoint, from: Vec3) -> Option<Facing> {
+        let to_light = point.position - from;
+        let d2 = to_light.length_squared();
+        let wi = to_light / d2.sqrt();
+        let facing = -point.normal.dot(wi);
+        let cosine = if self.double_sided { facing.abs() } else { facing };
+        let target = offset_origin(point.position, point.normal * facing.signum());
+        (d2 > 0.0 && wi.is_finite() && cosine > 0.0).then_some(Facing { wi, d2, cosine, target })
+    }
+
     /// Total area, m².
     pub fn area(&self) -> f32 {
         self.cumulative_area.last().copied().unwrap_or(0.0)

@@ -1,5 +1,6 @@
 //! Lamps without a surface, as KHR_lights_punctual defines them.
 
+use super::accel::Ray;
 use glam::{Affine3A, Vec3};
 
 /// A lamp; its own frame has its position at the origin and shines along −z.
@@ -62,6 +63,30 @@ impl Lamp {
                 intensity * (self.dimmer * t * t)
             }
             LampKind::Directional { .. } => Vec3::ZERO,
+        }
+    }
+
+    /// Light at a position if nothing is between: the unit direction it comes from, and the illuminance across it,
+    /// lx per channel: I / d², or what parallel light has everywhere. None where it has no direction.
+    pub fn arriving(&self, position: Vec3) -> (Vec3, Vec3) {
+        if let LampKind::Directional { illuminance } = self.kind {
+            return (-self.axis(), illuminance * self.dimmer);
+        }
+        let to_lamp = self.position() - position;
+        let d2 = to_lamp.length_squared();
+        let wi = to_lamp / d2.sqrt();
+        if d2 == 0.0 || !wi.is_finite() {
+            (Vec3::ZERO, Vec3::ZERO)
+        } else {
+            (wi, self.intensity_towards(-wi) / d2)
+        }
+    }
+
+    /// Ray that is free if the lamp is seen.
+    pub fn ray_from(&self, origin: Vec3) -> Ray {
+        match self.kind {
+            LampKind::Directional { .. } => Ray::new(origin, -self.axis()),
+            _ => Ray::between(origin, self.position()),
         }
     }
 }

@@ -5,9 +5,7 @@
 use super::{
     accel::Ray,
     direct::Receiver,
-    emitters::{AreaEmitter, Emitter},
-    geometry::offset_origin,
-    lamp::LampKind,
+    emitters::{AreaEmitter, Emitter, Facing},
     world::World,
 };
 use glam::{Vec2, Vec3};
@@ -47,24 +45,13 @@ impl LightSample {
                 })
             }
             Emitter::Lamp { lamp, .. } => {
-                let sun = -lamp.axis();
-                let (wi, light, ray) = match lamp.kind {
-                    LampKind::Directional { illuminance } => {
-                        (sun, illuminance * lamp.dimmer, Ray::new(receiver.origin(), sun))
-                    }
-                    _ => {
-                        let to_lamp = lamp.position() - receiver.position;
-                        let wi = to_lamp.normalize_or_zero();
-                        let light = lamp.intensity_towards(-wi) / to_lamp.length_squared();
-                        (wi, light, Ray::between(receiver.origin(), lamp.position()))
-                    }
-                };
+                let (wi, light) = lamp.arriving(receiver.position);
                 let light = light / probability;
                 (light != Vec3::ZERO && light.is_finite()).then_some(Self {
                     wi,
                     radiance_over_density: light,
                     density: None,
-                    ray,
+                    ray: lamp.ray_from(receiver.origin()),
                 })
             }
         }
@@ -93,19 +80,14 @@ impl AreaPoint {
         u: Vec2,
     ) -> Option<Self> {
         let point = area.point(&world.geometry, u);
-        let to_light = point.position - receiver.position;
-        let d2 = to_light.length_squared();
-        let wi = to_light / d2.sqrt();
-        let facing = -point.normal.dot(wi);
-        let cosine_light = if area.double_sided { facing.abs() } else { facing };
-        if !(d2 > 0.0 && cosine_light > 0.0) || receiver.geometric_normal.dot(wi) <= 0.0 {
+        let Facing { wi, d2, cosine, target } = area.facing(&point, receiver.position)?;
+        if receiver.geometric_normal.dot(wi) <= 0.0 {
             return None;
         }
-        let target = offset_origin(point.position, point.normal * facing.signum());
         Some(Self {
             wi,
             radiance: point.radiance,
-            density: probability * d2 / (area.area() * cosine_light),
+            density: probability * d2 / (area.area() * cosine),
             ray: Ray::between(receiver.origin(), target),
         })
     }
