@@ -27,10 +27,10 @@ fn compare(
     found
 }
 
-/// The project's bounds: 4 % in the median, 15 % in the 95th percentile, 1.5 % of the mean.
+/// The project's bounds: 3 % in the median, 15 % in the 95th percentile, 1.5 % of the mean.
 fn assert_within_bounds(found: &Errors) {
     assert!(found.noise < 0.03, "the reference is too noisy to tell: {found:?}");
-    assert!(found.median <= 0.04 && found.high <= 0.15, "{found:?}");
+    assert!(found.median <= 0.03 && found.high <= 0.15, "{found:?}");
     assert!(found.signed.abs() <= 0.015 && found.flux.abs() <= 0.015, "{found:?}");
 }
 
@@ -55,10 +55,25 @@ fn office_agrees_with_the_reference() {
     let world = golden::shipped("office/office.ron");
     let solution =
         RadiositySolution::solve(&world, &RadiositySettings::default(), &Progress::silent()).expect("solves");
-    let energy = solution.energy(&world);
-    println!("absorbed over sent {:.4}", energy.absorbed_flux / energy.direct_flux);
     let surfaces = golden::surface_points(&world, golden::POINTS);
     let truths: Vec<(f32, f32)> =
         golden::read("surface").iter().map(|t| (t.all(), t.standard_error)).collect();
     assert_within_bounds(&compare(&world, &solution, &surfaces, &truths));
+}
+
+#[test]
+fn the_offices_balance_closes_as_elements_shrink() {
+    // Beside what stands on the floor and the desks light is looked up from nodes up to a spacing away, which see more
+    // of the room than the place does: a surplus that goes with the spacing. 3 %: found 2.0 and 0.9.
+    let world = golden::shipped("office/office.ron");
+    let surplus = [None, Some(0.05)].map(|element_spacing_m| {
+        let settings = RadiositySettings { element_spacing_m, ..RadiositySettings::default() };
+        let solution = RadiositySolution::solve(&world, &settings, &Progress::silent()).expect("solves");
+        let energy = solution.energy(&world);
+        let (spacing, balance) =
+            (solution.transport().map.spacing_m, energy.absorbed_flux / energy.direct_flux);
+        println!("elements {spacing:.3} m apart: absorbed over sent {balance:.4}");
+        balance - 1.0
+    });
+    assert!(surplus.iter().all(|s| s.abs() < 0.03) && surplus[1] < 0.6 * surplus[0], "{surplus:?}");
 }

@@ -12,7 +12,7 @@ use lumenscope_core::{
         RadiosityError, RadiositySettings, RadiositySolution,
         lookup::{self, NO_ELEMENTS},
         smooth,
-        surface_map::UNSOLVED,
+        surface_map::{SurfaceMap, UNSOLVED},
     },
     scene::{Scene, material::Material, world::World},
 };
@@ -163,4 +163,34 @@ fn bad_requests_are_named_and_empty_scenes_are_dark() {
     let (_, nothing) = solve(&Scene::default(), &RadiositySettings::default());
     assert!(nothing.elements().is_empty());
     assert_eq!(nothing.irradiance(3, Vec2::ZERO, false, Part::All), Vec3::ZERO);
+}
+
+#[test]
+fn elements_of_a_long_strip_reflect_what_it_does() {
+    let of = |length: f32, width: f32| {
+        let mut scene = Scene::default();
+        let strip = rectangle(Vec3::ZERO, Vec3::Z * width, Vec3::X * length);
+        add(&mut scene, "strip", strip, diffuse("grey", Vec3::splat(0.5), Vec3::ZERO));
+        SurfaceMap::new(&World::new(&scene).geometry, Some(1.0))
+    };
+    let map = of(2000.0, 20.0).unwrap();
+    assert_eq!(map.elements.len(), 2001 * 21);
+    assert!(
+        map.elements
+            .iter()
+            .all(|e| e.flags & UNSOLVED == 0 && (e.reflectance - 0.5).abs().max_element() < 1e-5)
+    );
+    let without = map.elements.iter().filter(|e| e.area == 0.0).count();
+    let area = map.elements.iter().map(|e| f64::from(e.area)).sum::<f64>();
+    println!("{without} of {} elements between the points", map.elements.len());
+    assert!(
+        (area / 40_000.0 - 1.0).abs() < 1e-3 && 50 * without < map.elements.len(),
+        "{area} m², {without}"
+    );
+    // A spacing that is asked for is kept, as far as it can be.
+    let charts = of(5000.0, 1.0).unwrap().charts;
+    assert_eq!(charts[0].nx.max(charts[0].ny), 5001);
+    let refused = of(70_000.0, 1.0).map(|_| ()).unwrap_err();
+    assert_eq!(refused, RadiosityError::TooLong { nodes: 70_001, most: 65_535, spacing_m: 1.0 });
+    assert!(matches!(of(1e9, 1e9).unwrap_err(), RadiosityError::TooManyElements { .. }));
 }

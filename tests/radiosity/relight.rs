@@ -57,3 +57,19 @@ fn lamp_that_was_off_from_the_start_lights_when_dimmed_up() {
     let lit = dark.relight(&world, &changed, 16, 100);
     assert_eq!(lit.direct, solve(&room(), &at_spacing(0.2)).1.direct);
 }
+
+#[test]
+fn what_moved_while_a_lamp_was_off_is_in_its_light_when_it_comes_back() {
+    let mut scene = room();
+    scene.objects[1].movable = true;
+    let (mut world, before) = solve(&scene, &at_spacing(0.2));
+    scene.place(Target::Object(1), Affine3A::from_translation(Vec3::new(0.4, 0.0, 0.8)));
+    scene.lamps[0].dimmer = 0.0;
+    world.follow(&scene);
+    let dark = before.relight(&world, &[Target::Lamp(0)], 16, 100);
+    scene.lamps[0].dimmer = 1.0;
+    world.follow(&scene);
+    let (back, at_once) =
+        (dark.relight(&world, &[], 16, 100), before.relight(&world, &[Target::Lamp(0)], 16, 100));
+    assert!(at_once.direct != before.direct && back.direct == at_once.direct);
+}

@@ -6,16 +6,16 @@ use lumenscope_core::{
     radiosity::{
         RadiositySettings, RadiositySolution, inspect_elements, inspect_light, shared_edges::shared_edges,
     },
-    scene::{Scene, world::World},
+    scene::{Object, Scene, world::World},
 };
-use lumenscope_tests::{add, add_point_lamp, box_room, diffuse, rectangle};
+use lumenscope_tests::{add, add_point_lamp, box_room, cuboid, diffuse, rectangle};
 
 fn solve(world: &World, spacing: f32) -> RadiositySolution {
     let settings = RadiositySettings { element_spacing_m: Some(spacing), ..RadiositySettings::default() };
     RadiositySolution::solve(world, &settings, &Progress::silent()).expect("solves")
 }
 
-/// A floor of 4 m under a point lamp of 100 cd at a height of 1 m, as one surface or as two side by side.
+/// A floor of 4 m under a point lamp of 100 cd at a height of 1 m, of one material or of two side by side.
 fn floor(parts: usize) -> Scene {
     let mut scene = Scene::default();
     for i in 0..parts {
@@ -25,6 +25,8 @@ fn floor(parts: usize) -> Scene {
         let part = rectangle(corner, Vec3::Z * 4.0, Vec3::X * width);
         add(&mut scene, &name, part, diffuse(&name, Vec3::splat(0.5), Vec3::ZERO));
     }
+    let others: Vec<_> = scene.objects.drain(1..).flat_map(|o| o.parts).collect();
+    scene.objects[0].parts.extend(others);
     add_point_lamp(&mut scene, Vec3::new(0.0, 1.0, 0.0), Vec3::splat(100.0));
     scene
 }
@@ -79,6 +81,19 @@ fn the_light_goes_on_across_the_edge_of_two_charts_and_a_lamps_own_edge_is_none(
     let whole = World::new(&floor(1));
     assert!(inspect_light::seams(&solve(&whole, 0.2), &whole).value_lines.is_empty());
     assert_eq!(shared_edges(&whole.geometry).len(), 1, "the diagonal");
+    // Nor has an edge beneath what stands there, or between things that touch.
+    let mut covered = floor(2);
+    let slab = cuboid(Vec3::new(-0.5, 0.001, -2.2), Vec3::new(0.5, 0.3, 2.2), false);
+    add(&mut covered, "slab", slab, diffuse("grey", Vec3::splat(0.5), Vec3::ZERO));
+    let mut apart = floor(2);
+    let part = apart.objects[0].parts.pop().unwrap();
+    let other = Object { parts: vec![part], ..apart.objects[0].clone() };
+    apart.objects.push(other);
+    for scene in [covered, apart] {
+        let world = World::new(&scene);
+        let shown = inspect_light::seams(&solve(&world, 0.1), &world);
+        assert!(shown.value_lines.is_empty(), "{:?}", shown.notes);
+    }
 }
 
 #[test]

@@ -6,8 +6,18 @@
 
 use super::{RadiositySolution, footprint::points_of, lookup::SideMap, solve::weighted_sum};
 use crate::{
-    math::{colour::luminance, part::Part},
-    scene::{accel::Ray, direct::Receiver, geometry::Surface, world::World},
+    math::{
+        colour::luminance,
+        frame::{cosine_direction, frame_from_normal},
+        part::Part,
+        random::r2_point,
+    },
+    scene::{
+        accel::{Hit, Ray},
+        direct::Receiver,
+        geometry::Surface,
+        world::World,
+    },
 };
 use glam::{DVec3, Vec3};
 
@@ -61,7 +71,25 @@ impl RadiositySolution {
 fn is_covered(world: &World, surface: &Surface, spacing_m: f32) -> bool {
     let ray = Ray::new(Receiver::of(surface).origin(), surface.geometric_normal);
     let Some(hit) = world.accel.trace(&ray) else { return false };
-    let material = world.geometry.material_of(hit.triangle);
-    let black = !material.double_sided && world.geometry.area_normal(hit.triangle).dot(ray.direction) > 0.0;
-    !material.is_glass() && (black || hit.t < UPON_SPACINGS * spacing_m)
+    if world.geometry.material_of(hit.triangle).is_glass() {
+        return false;
+    }
+    hit.t < UPON_SPACINGS * spacing_m || (is_black(world, &hit, &ray) && is_inside(world, &ray))
+}
+
+fn is_black(world: &World, hit: &Hit, ray: &Ray) -> bool {
+    let single = !world.geometry.material_of(hit.triangle).double_sided;
+    single && world.geometry.area_normal(hit.triangle).dot(ray.direction) > 0.0
+}
+
+/// Whether nearly all that the start of a ray along the normal sees are black backs: beneath the top of a desk that is
+/// a single sheet it sees the room beside them.
+fn is_inside(world: &World, normal: &Ray) -> bool {
+    const RAYS: u32 = 32;
+    let frame = frame_from_normal(normal.direction);
+    let meets_black = |j: &u32| {
+        let ray = Ray::new(normal.origin, frame * cosine_direction(r2_point(*j, 0)));
+        world.accel.trace(&ray).is_some_and(|hit| is_black(world, &hit, &ray))
+    };
+    100 * (0..RAYS).filter(meets_black).count() > 85 * RAYS as usize
 }

@@ -10,6 +10,9 @@ use crate::scene::geometry::Geometry;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
+/// Nodes along a side that are not told from more.
+const MOST_NODES: f32 = 1e6;
+
 /// A flat region: its triangles and the rectangle around it.
 #[derive(Clone, Debug)]
 pub(super) struct Region {
@@ -157,10 +160,14 @@ fn bounding_rectangle(geometry: &Geometry, triangles: Vec<u32>, normal: Vec3) ->
 }
 
 impl Region {
-    /// Nodes along u and v at a spacing; 1 where the rectangle is narrower than half of it.
+    /// Nodes along u and v at a spacing, more than any scene may have if they are too many; 1 where the rectangle is narrower than half of it.
     pub fn nodes(&self, spacing: f32) -> [u32; 2] {
         self.extent.to_array().map(|side| {
-            if side < 0.5 * spacing { 1 } else { ((side / spacing).round().max(1.0) as u32 + 1).min(4096) }
+            if side < 0.5 * spacing {
+                1
+            } else {
+                ((side / spacing).round().clamp(1.0, MOST_NODES) as u32) + 1
+            }
         })
     }
 

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     math::{
         progress::{Cancelled, Progress},
-        random::hash2,
+        random::{fold, hash2},
     },
     mirror::thrown::Images,
     scene::{
@@ -81,7 +81,7 @@ impl EmitterLight {
             progress.begin("light by way of lobes");
             let places: usize = transport.seen.iter().flatten().map(|s| s.places()).sum();
             let stride = places.div_ceil(if moving { PLACES_MOVING } else { PLACES }).max(1);
-            let seed32 = seed as u32 ^ (seed >> 32) as u32;
+            let seed32 = fold(seed);
             tables.passed_on =
                 irradiance(transport, shadow_rays, seed, progress, |element, receivers, rays| {
                     let by_images = images.mean_irradiance(world, &full, receivers, rays);
@@ -112,10 +112,10 @@ impl EmitterLight {
     /// moved or `again` asks for them.
     pub fn follow(&self, lighting: &Lighting, emitter: &Emitter, again: bool) -> Self {
         let (placement, dimmer) = state(lighting.world, emitter);
-        if !(again && dimmer > 0.0)
-            && placement == self.placement
-            && (self.at_full.is_some() || dimmer == 0.0)
-        {
+        if again && dimmer <= 0.0 {
+            return Self { placement, dimmer, at_full: None };
+        }
+        if !again && placement == self.placement && (self.at_full.is_some() || dimmer == 0.0) {
             return Self { dimmer, ..self.clone() };
         }
         // Nobody cancels silent progress.
@@ -172,7 +172,7 @@ fn irradiance<T: Default + Send>(
     light: impl Fn(usize, &[(&Receiver, u32)], u32) -> T + Sync,
 ) -> Result<Vec<T>, Cancelled> {
     const BLOCK: usize = 4096;
-    let seed = seed as u32 ^ (seed >> 32) as u32;
+    let seed = fold(seed);
     let elements = &transport.map.elements;
     let mut table = Vec::with_capacity(elements.len());
     for (block, chunk) in elements.chunks(BLOCK).enumerate() {

@@ -93,7 +93,7 @@ impl SurfaceMap {
             let material = geometry.material_of(t);
             let textured = material.reflectance_texture.is_some();
             let taps = if textured { 4.0 } else { 3.0 };
-            let barycentric = triangle_points(edges_in_leaves(side, leaf).map(|e| taps * e));
+            let barycentric = triangle_points(edges_in_leaves(side, leaf), taps);
             let area = 0.5 * geometry.area_normal(t).length() / barycentric.len() as f32;
             for barycentric in barycentric {
                 let uv = if textured { geometry.surface(t, barycentric, Vec3::ZERO).uv } else { Vec2::ZERO };
@@ -136,7 +136,12 @@ impl SurfaceMap {
             let of_one = &sorted[range[0] as usize..range[1] as usize];
             let area: f32 = of_one.iter().map(|(area, _)| area).sum();
             found.areas.push(area);
-            found.reflectances.push(if area > 0.0 { weighted / area } else { Vec3::ZERO });
+            found.reflectances.push(match area > 0.0 {
+                true => weighted / area,
+                // Between the points of a very long triangle.
+                false if element.flags & UNSOLVED == 0 => reflectance_at(geometry, sides, element.position),
+                false => Vec3::ZERO,
+            });
             if element.flags & UNSOLVED == 0 {
                 found.footprints.push(footprint(element, of_one, |point| {
                     let (side, barycentric) = points[point as usize];
@@ -162,6 +167,22 @@ impl SurfaceMap {
     }
 }
 
+/// Diffuse reflectance at a place on one of some triangles in a plane.
+fn reflectance_at(geometry: &Geometry, sides: &[u32], place: Vec3) -> Vec3 {
+    let inside = |side: &u32| {
+        let [a, b, c] = geometry.positions[*side as usize / 2];
+        let normal = geometry.area_normal(side / 2);
+        let weight = |p: Vec3, q: Vec3| (p - place).cross(q - place).dot(normal) / normal.length_squared();
+        let weights = Vec3::new(weight(b, c), weight(c, a), weight(a, b));
+        (weights.min_element(), side / 2, Vec2::new(weights.y, weights.z))
+    };
+    let nearest = sides.iter().map(inside).max_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(Vec3::ZERO, |(_, t, barycentric)| {
+        let uv = geometry.surface(t, barycentric, Vec3::ZERO).uv;
+        geometry.material_of(t).diffuse_at(uv, &geometry.textures)
+    })
+}
+
 /// Points of equal shares of an element's area, drawn from those it has shares of; its own place where it has none.
 fn footprint(
     element: &Element,
@@ -183,7 +204,7 @@ fn footprint(
 
 /// Points that stand for equal shares of a triangle's area, `taps` along an edge a step of its grid.
 pub(super) fn points_of(side: &SideMap, taps: f32) -> Vec<Vec2> {
-    triangle_points(edges_in_leaves(side, Vec2::ONE).map(|e| taps * e))
+    triangle_points(edges_in_leaves(side, Vec2::ONE), taps)
 }
 
 /// Edges of a triangle opposite to corners 0, 1 and 2, in sides of leaves, which are given in grid steps; 1 for
@@ -198,14 +219,18 @@ fn edges_in_leaves(side: &SideMap, leaf: Vec2) -> [f32; 3] {
 }
 
 /// Points that stand for equal shares of a triangle's area, as barycentric weights of corners 1 and 2;
-/// `taps` wanted along the edges opposite to corners 0, 1 and 2.
+/// `taps` wanted a step along the edges opposite to corners 0, 1 and 2, so many steps long; on triangles of hundreds
+/// of steps half as many.
 ///
 /// The centroids of the n² equal triangles it splits into; for a sliver, the middles of cells of a square
 /// mapped onto it with equal areas, many along it and few across.
-fn triangle_points(taps: [f32; 3]) -> Vec<Vec2> {
+fn triangle_points(edges: [f32; 3], taps: f32) -> Vec<Vec2> {
     const SLIVER: f32 = 4.0;
-    let count = |taps: f32| taps.ceil().clamp(2.0, 512.0) as u32;
-    let [a, b, c] = taps;
+    /// Taps an edge from which on fewer a step will do, and how many.
+    const MANY: f32 = 512.0;
+    const LEAST: f32 = 1.5;
+    let count = |edge: f32| (taps * edge).min(MANY.max(LEAST * edge)).ceil().max(2.0) as u32;
+    let [a, b, c] = edges;
     let (shortest, longest) = (a.min(b).min(c), a.max(b).max(c));
     let n = count(longest);
     if longest > SLIVER * shortest && n > 2 {

@@ -5,6 +5,7 @@ use super::{
     inspect::{LIFT_SPACINGS, coloured},
     lookup::SideMap,
     shared_edges::shared_edges,
+    surface_map::{BURIED, Element},
 };
 use crate::{
     inspection::{InspectionScene, Legend, ValueLine, robust_range},
@@ -72,12 +73,14 @@ pub fn gradient(solution: &RadiositySolution, world: &World) -> InspectionScene 
     coloured(solution, world, &slopes, "gradient of irradiance", "lx/m")
 }
 
-/// Edges across which the surface goes on from one chart to another, coloured by how far the light jumps there:
-/// |E_a − E_b| / max(E_a, E_b, 5 % of the mean), %, the most at three points of the edge.
+/// Edges across which the surface of an object goes on from one chart to another, coloured by how far the light jumps
+/// there: |E_a − E_b| / max(E_a, E_b, 5 % of the mean), %, the most at three points of the edge. Points where either
+/// side has no light of its own, as under what stands there, are left out.
 pub fn seams(solution: &RadiositySolution, world: &World) -> InspectionScene {
     const POINTS: [f32; 3] = [0.25, 0.5, 0.75];
     const NOTED: f32 = 10.0;
-    let map = &solution.transport().map;
+    let (elements, map) = (solution.elements(), &solution.transport().map);
+    let object = |t: u32| world.geometry.object[t as usize];
     let side = |t: u32| &map.sides[2 * t as usize];
     let lit = |t: u32| *side(t) != SideMap::NONE;
     // Vertex elements are shared by triangles: no chart ends between them.
@@ -88,17 +91,23 @@ pub fn seams(solution: &RadiositySolution, world: &World) -> InspectionScene {
     let mut view = InspectionScene::default();
     for edge in shared_edges(&world.geometry) {
         let [s, t] = edge.triangles;
-        if !lit(s) || !lit(t) || chart(s) == chart(t) {
+        if !lit(s) || !lit(t) || chart(s) == chart(t) || object(s) != object(t) {
             continue;
         }
-        let jump = |share: f32| {
-            let [a, b] = [0, 1].map(|i| {
-                let at = edge.barycentric(i, share);
-                luminance(solution.irradiance(edge.triangles[i], at, false, Part::All))
-            });
-            100.0 * (a - b).abs() / a.max(b).max(floor)
+        let light = |i: usize, share: f32| {
+            let (triangle, at) = (edge.triangles[i], edge.barycentric(i, share));
+            let blend = map.blend(triangle, at, false);
+            let mut around = blend.elements.iter().zip(blend.weights).filter(|(_, weight)| *weight > 0.0);
+            let open = |e: &Element| e.is_shown() && e.flags & BURIED == 0;
+            around
+                .all(|(e, _)| open(&elements[*e as usize]))
+                .then(|| luminance(solution.irradiance(triangle, at, false, Part::All)))
         };
-        let value = POINTS.into_iter().map(jump).fold(0.0, f32::max);
+        let jump = |share: f32| {
+            let (a, b) = (light(0, share)?, light(1, share)?);
+            Some(100.0 * (a - b).abs() / a.max(b).max(floor))
+        };
+        let Some(value) = POINTS.into_iter().filter_map(jump).reduce(f32::max) else { continue };
         let off = world.geometry.area_normal(s).normalize_or_zero() * lift;
         view.value_lines.push(ValueLine { ends: edge.ends.map(|p| p + off), value, transparency: 0.0 });
     }

@@ -38,7 +38,7 @@ pub(super) fn grid_nodes(geometry: &Geometry, flat: &[Region], spacing: f32) -> 
             let [nx, ny] = r.nodes(spacing).map(|n| n as usize);
             if nx * ny == 1 { 0 } else { nx * ny * sides }
         })
-        .sum()
+        .fold(0, usize::saturating_add)
 }
 
 /// What [`super::surface_map::SurfaceMap::new`] will lay out, known before it is laid out.

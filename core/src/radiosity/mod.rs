@@ -124,6 +124,16 @@ pub enum RadiosityError {
         /// Spacing, m.
         spacing_m: f32,
     },
+    /// The spacing is too fine for the length of a flat region.
+    #[error("{nodes} elements along a surface at a spacing of {spacing_m} m; at most {most} are allowed")]
+    TooLong {
+        /// Elements wanted along it.
+        nodes: u32,
+        /// Elements allowed.
+        most: u32,
+        /// Spacing, m.
+        spacing_m: f32,
+    },
     /// The spacing is not a positive number.
     #[error("element spacing must be positive, got {spacing_m} m")]
     BadSpacing {

@@ -117,12 +117,15 @@ const LAMP_FINENESS: f32 = 0.25;
 /// Elements above which a scene is refused.
 const MOST_ELEMENTS: usize = 4_000_000;
 
+/// Nodes along a grid at most: [`SideMap::size`] has 16 bits for them.
+const MOST_ALONG: u32 = 0xFFFF;
+
 impl SurfaceMap {
     /// Lays out the elements of a scene, `spacing_m` apart; without one the spacing is chosen: a
     /// hundredth of the bounding diagonal, larger where that gives more than 50,000 nodes.
     ///
     /// # Errors
-    /// [`RadiosityError::BadSpacing`], [`RadiosityError::TooManyElements`].
+    /// [`RadiosityError::BadSpacing`], [`RadiosityError::TooManyElements`], [`RadiosityError::TooLong`].
     pub fn new(geometry: &Geometry, spacing_m: Option<f32>) -> Result<Self, RadiosityError> {
         Self::subdivided(geometry, spacing_m, 0)
     }
@@ -137,13 +140,13 @@ impl SurfaceMap {
         spacing_m: Option<f32>,
         levels: u8,
     ) -> Result<Self, RadiosityError> {
-        let (flat, mut curved) = faces(geometry);
+        let (flat, meshes) = faces(geometry);
         let spacing = match spacing_m {
             Some(spacing) if spacing > 0.0 && spacing.is_finite() => spacing,
             Some(spacing_m) => return Err(RadiosityError::BadSpacing { spacing_m }),
             None => chosen_spacing(geometry, &flat, finite_diagonal(geometry)),
         };
-        let wanted = grid_nodes(geometry, &flat, spacing) << (2 * levels);
+        let wanted = grid_nodes(geometry, &flat, spacing).saturating_mul(1 << (2 * levels));
         if wanted > MOST_ELEMENTS {
             return Err(RadiosityError::TooManyElements {
                 elements: wanted,
@@ -154,24 +157,26 @@ impl SurfaceMap {
         let mut map =
             Self { sides: vec![SideMap::NONE; 2 * geometry.len()], spacing_m: spacing, ..Self::default() };
         let fine = lamp_bodies(geometry, spacing);
-        curved.retain(|&t| {
+        let mut curved = Vec::with_capacity(meshes.len());
+        for t in meshes {
             let region = fine[geometry.object[t as usize] as usize].then(|| alone(geometry, t));
-            let refined = region.filter(|r| r.extent.max_element() > LAMP_FINENESS * spacing);
-            if let Some(region) = &refined {
-                map.add_grid(geometry, region, region.nodes(LAMP_FINENESS * spacing), None);
+            match region.filter(|r| r.extent.max_element() > LAMP_FINENESS * spacing) {
+                Some(region) => {
+                    map.add_grid(geometry, &region, region.nodes(LAMP_FINENESS * spacing), None)?;
+                }
+                None => curved.push(t),
             }
-            refined.is_none()
-        });
+        }
         for region in &flat {
             let on_lamp = fine[geometry.object[region.triangles[0] as usize] as usize];
             let [nx, ny] = region.nodes(if on_lamp { LAMP_FINENESS * spacing } else { spacing });
-            if nx * ny == 1 {
+            if [nx, ny] == [1, 1] {
                 curved.extend(&region.triangles);
             } else if levels > 0 && !on_lamp {
                 let [u, v] = [nx, ny].map(|n| root_and_nodes(n, levels));
-                map.add_grid(geometry, region, [u.1, v.1], Some([u.0, v.0]));
+                map.add_grid(geometry, region, [u.1, v.1], Some([u.0, v.0]))?;
             } else {
-                map.add_grid(geometry, region, [nx, ny], None);
+                map.add_grid(geometry, region, [nx, ny], None)?;
             }
         }
         map.add_vertices(geometry, &curved);
@@ -199,7 +204,20 @@ impl SurfaceMap {
             + self.trees.iter().flatten().map(ChartTree::bytes).sum::<usize>()
     }
 
-    fn add_grid(&mut self, geometry: &Geometry, region: &Region, [nx, ny]: [u32; 2], root: Option<[u32; 2]>) {
+    fn add_grid(
+        &mut self,
+        geometry: &Geometry,
+        region: &Region,
+        [nx, ny]: [u32; 2],
+        root: Option<[u32; 2]>,
+    ) -> Result<(), RadiosityError> {
+        let (elements, spacing_m) = (nx as usize * ny as usize, self.spacing_m);
+        if nx.max(ny) > MOST_ALONG {
+            return Err(RadiosityError::TooLong { nodes: nx.max(ny), most: MOST_ALONG, spacing_m });
+        }
+        if elements > MOST_ELEMENTS {
+            return Err(RadiosityError::TooManyElements { elements, most: MOST_ELEMENTS, spacing_m });
+        }
         let first_triangle = region.triangles[0];
         let object = geometry.object[first_triangle as usize];
         let corners: Vec<[Vec2; 3]> = region
@@ -216,7 +234,7 @@ impl SurfaceMap {
             let middle = 0.5 * region.extent;
             Vec2::new(if single[0] { middle.x } else { q.x }, if single[1] { middle.y } else { q.y })
         };
-        let mut nodes = Vec::with_capacity((nx * ny) as usize);
+        let mut nodes = Vec::with_capacity(elements);
         for y in 0..ny {
             for x in 0..nx {
                 let border = Vec2::splat(inset).min(0.5 * region.extent);
@@ -257,6 +275,7 @@ impl SurfaceMap {
                 self.sides[2 * t as usize + back] = SideMap::grid(first, nx, ny, grid);
             }
         }
+        Ok(())
     }
 
     /// One element for the corners of an object and material that share a cell of half a spacing
