@@ -221,6 +221,24 @@ fn a_ball_is_one_texture_by_longitude_and_latitude() {
     println!("zero and first order of leaves: relMSE {errors:?}");
     // Means of leaves blur; of zero order they jump too.
     assert!(errors[1] < errors[0] && errors[0] < 0.1, "{errors:?}");
+    // Nor is a cylinder as high as it is wide, whose corners are all as far from its middle.
+    let rims: Vec<Vec3> = (0..96)
+        .map(|i| (PI * (i / 2) as f32 / 24.0, 0.2 * (2 * (i % 2)) as f32 - 0.2))
+        .map(|(angle, y)| Vec3::new(0.2 * angle.cos(), y, -0.2 * angle.sin()))
+        .collect();
+    let around = (0..48).flat_map(|i| {
+        let [a, b, c, d] = [2 * i, 2 * i + 1, (2 * i + 2) % 96, (2 * i + 3) % 96];
+        [[a, c, b], [c, d, b]]
+    });
+    let caps = (1..47).flat_map(|i| [[0, 2 * i + 2, 2 * i], [1, 2 * i + 1, 2 * i + 3]]);
+    let normals = rims.iter().map(|p| p.normalize()).collect();
+    let triangles = around.chain(caps).collect();
+    let cylinder =
+        Mesh { uvs: vec![Vec2::ZERO; rims.len()], positions: rims, normals, triangles, ..Mesh::default() };
+    let mut scene = box_room(0.5, 10.0);
+    add(&mut scene, "cylinder", cylinder, diffuse("white", Vec3::ONE, Vec3::ZERO));
+    let solution = solved(scene, 0.2);
+    assert!(of(&solution, 1).is_none_or(|g| g.kind() != Kind::Ball));
     // A wall is none.
     assert!(of(&solution, 0).is_some_and(|g| g.kind() == Kind::Grid));
 }

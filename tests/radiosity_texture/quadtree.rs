@@ -49,7 +49,7 @@ fn leaves_cover_the_shape_once() {
         }
         for height in 0..4 {
             let tree = Quadtree::full(shape, height);
-            assert!(tree.is_full() && tree.height() == height);
+            assert!(tree.leaves().iter().all(|leaf| leaf.level == height) && tree.height() == height);
             assert_eq!(tree.leaves().len(), 4usize.pow(height));
             assert!(tree.t_vertices().is_empty());
         }

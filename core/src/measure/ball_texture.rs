@@ -27,7 +27,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// How far corners may be from what is round, as a share of its radius.
+/// How far corners may be from what is round, as a share of its radius; facets three times as far.
 pub(super) const ROUND: f32 = 0.02;
 /// Triangles of which something is round and not a block.
 const LEAST_TRIANGLES: usize = 64;
@@ -62,7 +62,16 @@ impl Ball {
         let (middle, radius) = geometry.sphere_around(&triangles);
         let round = |p: &Vec3| p.distance(middle) > (1.0 - ROUND) * radius;
         let is_round = triangles.iter().flat_map(|&t| &geometry.positions[t as usize]).all(round);
-        (is_round && radius.is_finite()).then_some(Self { object, middle, radius })
+        let facet = |t: &u32| {
+            let away = geometry.positions[*t as usize][0] - middle;
+            let normal = geometry.area_normal(*t);
+            normal.dot(away).abs() >= (1.0 - 3.0 * ROUND) * radius * normal.length()
+        };
+        (is_round && triangles.iter().all(facet) && radius.is_finite()).then_some(Self {
+            object,
+            middle,
+            radius,
+        })
     }
 
     /// Its surface in a direction from the middle, also where another thing stands against it, and whether none does.

@@ -178,12 +178,6 @@ impl Quadtree {
         self.nodes.iter().map(|n| n.cell.level).max().unwrap_or(0)
     }
 
-    /// Whether all leaves are at one level.
-    pub fn is_full(&self) -> bool {
-        let height = self.height();
-        self.leaves().iter().all(|leaf| leaf.level == height)
-    }
-
     /// The leaves, depth first.
     pub fn leaves(&self) -> Vec<Cell> {
         let mut found = Vec::new();
