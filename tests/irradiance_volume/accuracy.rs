@@ -58,3 +58,23 @@ fn the_volume_agrees_with_the_reference_in_the_cornell_box() {
     // Interpolated direct light leaks into shadows by up to a cell, where the 5 % floor counts it heavily.
     assert!(interpolated.median < 0.04 && interpolated.flux.abs() < 0.02, "{}", interpolated.median);
 }
+
+#[test]
+fn the_offices_tables_take_what_is_said_of_them() {
+    let world = golden::shipped("office/office.ron");
+    let coarse =
+        RadiositySettings { element_spacing_m: Some(0.3), gather_rays: 16, ..RadiositySettings::default() };
+    let radiosity = RadiositySolution::solve(&world, &coarse, &Progress::silent()).unwrap();
+    let settings = VolumeSettings { target_samples: 2287, ..VolumeSettings::default() };
+    let volume = IrradianceVolume::build(&world, &radiosity, &settings, &Progress::silent()).unwrap();
+    let samples = volume.samples().len();
+    let (bins, harmonics) = (volume.table_bytes(), volume.harmonics().bytes());
+    eprintln!(
+        "{samples} samples: {bins} bytes a part as bins, {harmonics} all three as harmonics, {} held",
+        volume.bytes()
+    );
+    // 578 texels of 8 bytes; nine coefficients of three channels, on 32 numbers, of the sum too.
+    assert_eq!((bins, harmonics), (samples * 578 * 8, 3 * samples * 32 * 4));
+    // 10.2 MB and 0.28 MB a part, as the README says.
+    assert!(bins < 10_250_000 && harmonics < 3 * 285_000, "{bins} {harmonics}");
+}

@@ -22,7 +22,7 @@ mod wall;
 use glam::{Affine3A, UVec3, Vec2, Vec3};
 use lumenscope_core::{
     irradiance_volume::{
-        IrradianceVolume, SurfaceLight, VolumeError, VolumeSettings,
+        Basis, IrradianceVolume, SurfaceLight, VolumeError, VolumeSettings,
         directions::Directions,
         grid::{BilevelGrid, trilinear},
         inspect::{VolumeView, grid_lines, probe_scene, volume_spheres},
@@ -148,11 +148,12 @@ fn constant_radiance_reads_pi_l_in_every_direction() {
     let scene = room([Vec3::ZERO; 6]);
     let light = PerTriangle(vec![Vec3::splat(PI * radiance); 12]);
     let volume = build(&scene, &light, &small([3, 3, 4]));
+    let nearest = volume.with_basis(Basis::NearestBin);
     for i in 0..2000 {
         let mut rng = Rng::new(1, i);
         let p = Vec3::new(rng.next_f32() * 3.0, rng.next_f32() * 2.5, rng.next_f32() * 4.0);
         let n = uniform_direction(rng.next_vec2());
-        for e in [volume.irradiance(p, n, Part::All), volume.irradiance_nearest_bin(p, n, Part::All)] {
+        for e in [&volume, &nearest].map(|v| v.irradiance(p, n, Part::All)) {
             // 4.9e-4 of the codec and the rounding of sums.
             assert!((e / (PI * radiance) - Vec3::ONE).abs().max_element() < 6e-4, "{e} at {p} towards {n}");
         }
@@ -280,11 +281,12 @@ fn just_outside_is_the_nearest_point_inside_and_nonsense_is_finite() {
     let outside = Vec3::new(low.x - 0.1, 1.0, high.z + 0.2);
     let n = Vec3::new(0.6, 0.0, 0.8);
     let at = |p, n| volume.irradiance(p, n, Part::All);
+    let nearest = volume.with_basis(Basis::NearestBin);
     assert_eq!(at(outside, n), at(outside.clamp(low, high), n));
     for p in [Vec3::NAN, Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::splat(1e30)] {
         for n in [Vec3::NAN, Vec3::ZERO, Vec3::splat(f32::INFINITY), n] {
             assert!(at(p, n).is_finite(), "{p} {n}");
-            assert!(volume.irradiance_nearest_bin(p, n, Part::All).is_finite(), "{p} {n}");
+            assert!(nearest.irradiance(p, n, Part::All).is_finite(), "{p} {n}");
         }
     }
 }
@@ -325,10 +327,9 @@ fn a_moving_panel_is_lit_nearly_as_at_rest_and_then_exactly() {
     // A leaf in full view sends what it should; a shadow's edge comes in steps of the panel's eighth.
     assert!(error < 0.02 * mean && error > 0.0, "{error} of {mean}");
     let settled = moving.relight(&world, &light, &[panel]);
-    assert!(settled.table(Part::Direct) == rest.table(Part::Direct));
-    assert!(settled.table(Part::Indirect) == rest.table(Part::Indirect));
+    assert!(settled.tables() == rest.tables());
     let dimmed = volume.relight_moving(&world, &light, &[panel], &[]);
-    assert!(dimmed.table(Part::Direct) == rest.table(Part::Direct), "only what moves is asked coarsely");
+    assert!(dimmed.tables()[0] == rest.tables()[0], "only what moves is asked coarsely");
 }
 
 #[test]

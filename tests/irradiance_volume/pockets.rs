@@ -113,3 +113,33 @@ fn pockets_are_the_same_on_any_threads_and_come_back_from_a_file() {
     let [before, after] = [&one, &relit].map(|v| v.sample_irradiance(s, Part::Indirect)[3]);
     assert!((after - 2.0 * before).abs().max_element() <= 2e-3 * after.max_element());
 }
+
+#[test]
+fn an_eighth_lit_by_the_sample_of_another_says_so() {
+    // A closed box between the samples: of the eighths in it two have samples of their own.
+    let (mut scene, mut light) = shelf();
+    let (low, size) = (Vec3::new(2.05, 1.3, 2.05), Vec3::new(0.4, 0.3, 0.55));
+    for (inward, by) in [(true, 0.0), (false, 0.01)] {
+        for (face, mesh) in faces(low - by, low + size + by, inward).into_iter().enumerate() {
+            add(&mut scene, "box", mesh, Material::default());
+            let uneven = if face == 0 { 2000.0 } else { 10.0 };
+            light.0.extend([Vec3::splat(if inward { 200.0 } else { uneven }); 2]);
+        }
+    }
+    let volume = build(&scene, &light, &with_pockets(2));
+    let mut lent = 0;
+    for i in 0..4000 {
+        let mut rng = Rng::new(2, i);
+        let p = low + size * Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+        let weights = volume.weights(p);
+        let sample = weights.ids[0];
+        if weights.weights[0] != 1.0 || volume.samples()[sample as usize].level != POCKET_LEVEL {
+            continue;
+        }
+        let own = volume.grid().pocket(volume.grid().locate(p).cell, p) == Some(sample);
+        lent += usize::from(!own);
+        assert_eq!(weights.state, if own { PointState::Inside } else { PointState::Borrowed }, "{p}");
+        assert_eq!(volume.lighting(p, Vec3::Y, Part::All).notice().is_some(), !own);
+    }
+    assert!(lent > 10, "{lent} points");
+}

@@ -113,3 +113,24 @@ fn streamed_geometry_in_a_furnace_shines_as_everything_does() {
     assert!(pixels_left < pixels * 6 / 10);
     assert!((0..half.pixels.len()).all(|i| i % 96 >= 48 || half.pixels[i] == Vec3::ZERO));
 }
+
+#[test]
+fn a_wall_of_612_000_polygons_is_held_a_strip_at_a_time() {
+    let (_, volume, camera, buffer) = furnace(0.5, 10.0);
+    let wall = wall(612_000);
+    let mut stream = StreamedPicture::new(&buffer, &camera, &volume, Vec3::splat(0.5));
+    let mut whole = 0;
+    for strip in wall.strips(8) {
+        let strip =
+            Strip { positions: &strip.positions, normals: &strip.normals, triangles: &strip.triangles };
+        whole += size_of_val(strip.positions) + size_of_val(strip.normals) + size_of_val(strip.triangles);
+        stream.draw(&strip);
+    }
+    let counts = stream.counts();
+    assert!(counts.polygons >= 612_000 && counts.polygons == wall.polygons() as usize);
+    println!("{} bytes of {whole} held, {} polygons", counts.held_bytes, counts.polygons);
+    // Nine rows of vertices: place and normal, the same as a query, two parts of light; sixteen triangles a column.
+    let columns = wall.columns as usize;
+    assert_eq!(counts.held_bytes, 9 * (columns + 1) * (24 + 24 + 24) + 8 * 2 * columns * 12);
+    assert!(20 * counts.held_bytes < whole);
+}

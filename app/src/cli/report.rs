@@ -4,7 +4,6 @@ use lumenscope_core::{
     irradiance_volume::{
         IrradianceVolume, harmonics::Coefficients, pockets::POCKET_LEVEL, trust::SampleState,
     },
-    math::part::Part,
     radiosity::RadiositySolution,
     scene::world::World,
 };
@@ -30,7 +29,7 @@ pub fn volume(volume: &IrradianceVolume) -> Value {
         "pocket_samples": samples.iter().filter(|s| s.level == POCKET_LEVEL).count(),
         "valid_samples": samples.iter().filter(|s| s.valid).count(),
         "bins": volume.bins().len(),
-        "table_bytes_one_part": size_of_val(volume.table(Part::Indirect)),
+        "table_bytes_one_part": volume.table_bytes(),
         "harmonics_bytes_one_part": size_of::<Coefficients>() * samples.len(),
         "basis": volume.settings().basis,
         "moments": volume.orders(),

@@ -176,6 +176,11 @@ impl Met {
 }
 
 impl Transport {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.met.bytes() + self.solver.quadrature.bytes() + self.solver.centres.bytes()
+    }
+
     /// Irradiance of every bin of every sample from what they see and what arrives. Of the direct light
     /// `before`, samples to which the same arrives keep theirs.
     pub fn tables(

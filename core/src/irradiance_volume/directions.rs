@@ -52,6 +52,11 @@ impl Directions {
         self.bins
     }
 
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.around[..])
+    }
+
     /// The bin that holds a unit direction.
     pub fn nearest(&self, direction: Vec3) -> usize {
         self.nearest_each(&direction.to_array().map(|d| [d]))[0] as usize

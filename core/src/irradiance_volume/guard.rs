@@ -109,7 +109,12 @@ impl Guard {
                 + size_of_val(&cell.triangles[..])
                 + cell.sight.get().map_or(0, |s| s.bytes())
         };
-        size_of_val(&self.triangles[..]) + self.cells.iter().map(of).sum::<usize>()
+        let near =
+            |near: &OnceLock<Vec<u32>>| size_of_val(near) + near.get().map_or(0, |n| size_of_val(&n[..]));
+        size_of_val(&self.triangles[..])
+            + size_of_val(&self.open[..])
+            + self.near.iter().map(near).sum::<usize>()
+            + self.cells.iter().map(of).sum::<usize>()
     }
 
     /// What is known of a point of a cell or beside it; `find` tells what holds at a place, where nobody asked

@@ -69,7 +69,7 @@ pub use settings::{Basis, VolumeError, VolumeSettings};
 pub use solve::SurfaceLight;
 
 use crate::{
-    math::{part::Part, sphere_map::DirectionBins},
+    math::sphere_map::DirectionBins,
     radiosity::{
         RadiositySolution,
         surface_map::{Element, UNSOLVED},
@@ -167,13 +167,9 @@ impl IrradianceVolume {
         &self.samples
     }
 
-    /// Encoded irradiance, bin b of sample s at s · 2n² + b; see [`codec`]. `Part::All` gives the indirect
-    /// table: the sum of both has none of its own.
-    pub fn table(&self, part: Part) -> &[Texel] {
-        match part {
-            Part::Direct => &self.tables.direct,
-            Part::Indirect | Part::All => &self.tables.indirect,
-        }
+    /// Encoded direct and indirect irradiance, bin b of sample s at s · 2n² + b; see [`codec`].
+    pub fn tables(&self) -> [&[Texel]; 2] {
+        [&self.tables.direct, &self.tables.indirect]
     }
 
     /// Nine coefficients a sample and channel: the bins in another basis.
@@ -210,15 +206,19 @@ impl IrradianceVolume {
         size_of_val(&self.tables.direct[..])
     }
 
-    /// Bytes held, everything counted.
+    /// Bytes held, without the tree that the guard's rays are asked of: it is the scene's.
     pub fn bytes(&self) -> usize {
-        let transport = self.transport.as_ref().map_or(0, |t| t.met.bytes());
+        let transport = self.transport.as_ref().map_or(0, |t| t.bytes());
         2 * self.table_bytes()
             + self.tables.harmonics.get().map_or(0, Harmonics::bytes)
             + 2 * self.tables.moments.len() * self.table_bytes()
             + transport
             + self.grid.bytes()
+            + self.directions.bytes()
             + size_of_val(&self.samples[..])
+            + size_of_val(&self.ages[..])
+            + self.fills.bytes()
+            + self.kernels.iter().map(MomentKernel::bytes).sum::<usize>()
             + self.arrivals.iter().map(|a| a.bytes()).sum::<usize>()
             + self.guard.as_ref().map_or(0, Guard::bytes)
     }

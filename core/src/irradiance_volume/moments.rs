@@ -81,6 +81,11 @@ pub struct MomentKernel {
 }
 
 impl MomentKernel {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.kernels.iter().map(|k| size_of_val(&k[..])).sum()
+    }
+
     /// Factors the matrix.
     pub fn new(bins: DirectionBins, order: Order) -> Self {
         let half = (bins.n() as usize).div_ceil(2);

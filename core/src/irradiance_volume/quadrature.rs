@@ -99,6 +99,12 @@ impl Quadrature {
         Self { bins, half, kernels, centres, scale }
     }
 
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        let kernels: usize = self.kernels.iter().map(|k| size_of_val(&k[..])).sum();
+        kernels + size_of_val(&self.centres[..]) + size_of_val(&self.scale[..])
+    }
+
     /// The bins it is for.
     pub fn bins(&self) -> DirectionBins {
         self.bins

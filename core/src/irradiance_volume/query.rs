@@ -7,7 +7,6 @@ use super::{
     grid::trilinear,
     harmonics,
     moments::Order,
-    pockets::POCKET_LEVEL,
     sight::Look,
     visibility::{PointState, shared},
 };
@@ -78,13 +77,6 @@ impl IrradianceVolume {
         self.between_bins(self.tables_of(part), &self.corners(position), &bins)
     }
 
-    /// As [`Self::irradiance`] but from the one bin that holds the normal, as the thesis has it: faster,
-    /// and off by up to half a bin's width in direction.
-    pub fn irradiance_nearest_bin(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
-        let bin = self.directions.nearest(normal);
-        self.of_bin(self.tables_of(part), &self.corners(position), bin)
-    }
-
     /// As [`Self::irradiance`] but from nine spherical-harmonic coefficients: fastest, and without what
     /// lies above band 2. Ringing below zero is cut off.
     pub fn irradiance_harmonics(&self, position: Vec3, normal: Vec3, part: Part) -> Vec3 {
@@ -120,7 +112,7 @@ impl IrradianceVolume {
         let corners = Corners { ids: cell.samples, weights: usable(trilinear, cell.valid) };
         let mut careful = self.careful(position, corners, at.cell, cell.valid);
         if careful.state == PointState::Borrowed
-            && self.samples[careful.corners.ids[0] as usize].level == POCKET_LEVEL
+            && self.grid.pocket(at.cell, position) == Some(careful.corners.ids[0])
         {
             careful.state = PointState::Inside;
         }

@@ -34,6 +34,11 @@ impl Centres {
         Self { eights: (0..count.div_ceil(8)).map(eight).collect(), count }
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.eights[..])
+    }
+
     /// Irradiance of every bin, lx per channel.
     pub fn irradiance(&self, arrivals: &[Arrival]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; 2 * self.count];

@@ -146,8 +146,7 @@ impl IrradianceVolume {
     ///
     /// Direct light is asked again of the emitters named by `changed`, or of all of them where something
     /// changed that does not emit, because it may shadow any. What a moved object reflected from where it
-    /// was stays in the bins until the volume is built anew. A volume that came from a file keeps its
-    /// indirect part.
+    /// was stays in the bins until the volume is built anew. A volume that came from a file keeps all its light.
     pub fn relight(&self, world: &World, light: &impl SurfaceLight, changed: &[Target]) -> Self {
         self.relight_moving(world, light, changed, &[])
     }
@@ -161,6 +160,7 @@ impl IrradianceVolume {
         changed: &[Target],
         moving: &[Target],
     ) -> Self {
+        let Some(transport) = &self.transport else { return self.clone() };
         let emits = |t: &Target| world.emitters.list.iter().any(|e| e.target() == *t);
         let all = self.arrivals.len() != world.emitters.len() || !changed.iter().all(emits);
         let positions: Vec<Vec3> = self.samples.iter().map(|s| s.position).collect();
@@ -179,14 +179,9 @@ impl IrradianceVolume {
                 }
             })
             .collect();
-        let tables = match &self.transport {
-            Some(t) => {
-                let seen = t.met.seen(world, light.radiosity(), &self.settings.ignored);
-                let before = Before { arrivals: &self.arrivals, direct: &self.tables.direct };
-                t.tables(&seen, &arrivals, &self.fills, Some(before))
-            }
-            None => self.tables.clone(),
-        };
+        let seen = transport.met.seen(world, light.radiosity(), &self.settings.ignored);
+        let before = Before { arrivals: &self.arrivals, direct: &self.tables.direct };
+        let tables = transport.tables(&seen, &arrivals, &self.fills, Some(before));
         let ages = self.aged(&tables);
         Self { arrivals, tables, ages, ..self.clone() }.with_moments(&self.settings.moments, world, light)
     }

@@ -125,6 +125,11 @@ impl Fills {
         }
     }
 
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.0[..]) + self.0.iter().map(|(_, sources)| size_of_val(&sources[..])).sum::<usize>()
+    }
+
     /// What filled the dilated ones among some samples, planned anew.
     pub fn of(grid: &BilevelGrid, samples: &[Sample]) -> Self {
         if samples.iter().all(|s| s.state != SampleState::Dilated) {

@@ -61,6 +61,8 @@ pub struct StreamCounts {
     pub polygons: usize,
     /// Vertices lit: queries of the volume a part.
     pub vertices: usize,
+    /// Most bytes held at once of what came by: a strip, its queries and its light.
+    pub held_bytes: usize,
     /// Time spent asking the volume.
     pub shading: Duration,
     /// Time spent drawing.
@@ -108,6 +110,9 @@ impl<'a> StreamedPicture<'a> {
         self.counts.shading += start.elapsed();
         self.counts.polygons += strip.triangles.len();
         self.counts.vertices += strip.positions.len();
+        let held = size_of_val(strip.positions) + size_of_val(strip.normals) + size_of_val(strip.triangles);
+        let asked = size_of_val(&queries[..]) + light.iter().map(|l| size_of_val(&l[..])).sum::<usize>();
+        self.counts.held_bytes = self.counts.held_bytes.max(held + asked);
         let start = Instant::now();
         for triangle in strip.triangles {
             self.triangle(strip, &light, triangle.map(|i| i as usize));
