@@ -202,9 +202,9 @@ fn estimates(pictures: &[Vec<Vec3>]) -> Vec<Estimate> {
         .collect()
 }
 
-/// Holds layers of pictures to the path tracer that follows the same paths. What the solver interpolates between
+/// Holds sums of layers of pictures to the path tracer that follows the same paths. What the solver interpolates between
 /// elements is off by up to `bias` of the light, its own bound in a room.
-fn hold_to_paths(solution: &LightTransportSolution, terms: &[(&str, Layer, f32)]) {
+fn hold_to_paths(solution: &LightTransportSolution, terms: &[(&str, &[Layer], f32)]) {
     const FRAMES: u64 = 24;
     let camera = solution.scene.camera;
     let frame = |seed: u64| {
@@ -213,8 +213,9 @@ fn hold_to_paths(solution: &LightTransportSolution, terms: &[(&str, Layer, f32)]
         render(solution, &camera, SIDE, SIDE, &settings).1
     };
     let frames: Vec<_> = (1..=FRAMES).map(frame).collect();
-    for &(text, layer, bias) in terms {
-        let found = estimates(&frames.iter().map(|f| blocks(f.get(layer))).collect::<Vec<_>>());
+    for &(text, layers, bias) in terms {
+        let weights = Layer::ALL.map(|layer| f32::from(u8::from(layers.contains(&layer))));
+        let found = estimates(&frames.iter().map(|f| blocks(&f.sum(weights))).collect::<Vec<_>>());
         let traced = (1..=FRAMES).map(|seed| {
             let picture = ReferencePicture::new(solution.world.clone(), camera, SIDE, SIDE, 1000 + seed);
             let mut picture = picture.of_paths(paths(text));
@@ -236,19 +237,41 @@ fn hold_to_paths(solution: &LightTransportSolution, terms: &[(&str, Layer, f32)]
 
 #[test]
 fn each_term_of_the_picture_is_that_of_the_path_tracer_within_noise() {
-    let terms =
-        [("LE", Layer::Emitted, 0.0), ("LDE", Layer::Direct, 0.0), ("L(D|S)+DE", Layer::Indirect, 0.03)];
+    let terms: [(&str, &[Layer], f32); 4] = [
+        ("LE", &[Layer::Emitted], 0.0),
+        ("LDE", &[Layer::Direct], 0.0),
+        ("L(D|S)+DE", &[Layer::Indirect], 0.03),
+        ("L(D|S)*E", &Layer::ALL, 0.03),
+    ];
     hold_to_paths(&solved(cornell(), 0.05), &terms);
+}
+
+/// The Cornell box whose wall at the back is golden: it shows the lamp, the room, and what it throws there itself.
+fn golden_wall(roughness: f32) -> LightTransportSolution {
+    let mut scene = cornell();
+    let gold = Vec3::new(0.9, 0.7, 0.4);
+    let mirror = Material { reflectance: gold, metallic: 1.0, roughness, ..Material::default() };
+    let wall = rectangle(Vec3::new(-1.0, 0.0, -0.999), Vec3::X * 2.0, Vec3::Y * 2.0);
+    add(&mut scene, "mirror", wall, mirror);
+    solved(scene, 0.05)
 }
 
 #[test]
 fn what_a_mirror_shows_of_light_that_went_between_walls_is_that_of_the_path_tracer() {
-    // The wall at the back is golden: it shows the lamp, the room, and what it throws into the room itself.
-    let mut scene = cornell();
-    let gold = Vec3::new(0.9, 0.7, 0.4);
-    let mirror = Material { reflectance: gold, metallic: 1.0, roughness: 0.0, ..Material::default() };
-    let wall = rectangle(Vec3::new(-1.0, 0.0, -0.999), Vec3::X * 2.0, Vec3::Y * 2.0);
-    add(&mut scene, "mirror", wall, mirror);
-    let solution = solved(scene, 0.05);
-    hold_to_paths(&solution, &[("L(D|S)*SE", Layer::Mirror, 0.03), ("L(D|S)+DE", Layer::Indirect, 0.03)]);
+    let terms: [(&str, &[Layer], f32); 3] = [
+        ("L(D|S)*SE", &[Layer::Mirror], 0.03),
+        ("L(D|S)+DE", &[Layer::Indirect], 0.03),
+        ("L(D|S)*E", &Layer::ALL, 0.03),
+    ];
+    hold_to_paths(&golden_wall(0.0), &terms);
+}
+
+#[test]
+fn what_a_rough_wall_shows_is_that_of_the_path_tracer() {
+    let terms: [(&str, &[Layer], f32); 3] = [
+        ("L(D|S)*SE", &[Layer::Glossy], 0.05),
+        ("L(D|S)+DE", &[Layer::Indirect], 0.03),
+        ("L(D|S)*E", &Layer::ALL, 0.03),
+    ];
+    hold_to_paths(&golden_wall(0.3), &terms);
 }
