@@ -131,14 +131,11 @@ pub fn show(ui: &mut egui::Ui, id: &str, sphere: &SphereValues<'_>, plane: Plane
                 for (text, x, y) in label_places(plane, outer) {
                     plot.text(Text::new("", PlotPoint::new(x, y), text).color(strong).allow_hover(false));
                 }
-                if let Some(ring) = rings.last() {
-                    let text = number::with_unit(*ring as f32, unit);
-                    let place = PlotPoint::new(0.72 * outer, -1.1 * outer);
-                    plot.text(
-                        Text::new("", place, text).color(strong.gamma_multiply(0.7)).allow_hover(false),
-                    );
-                }
             });
+        if let Some(ring) = rings.last() {
+            let text = format!("outer ring {}", number::with_unit(*ring as f32, unit));
+            ui.label(egui::RichText::new(text).small().weak());
+        }
     });
 }
 
