@@ -301,6 +301,24 @@ fn a_lightmap_packed_here_has_no_overlap_and_no_leak() {
 }
 
 #[test]
+fn the_texture_of_a_triangle_and_of_a_column_is_judged() {
+    let (_keep, out) = folder();
+    let patches = scene("cornell/patches.ron");
+    for (at, size) in [("-0.16,0.06,-0.09", [17, 17]), ("0.09,0.25,-0.119", [32, 33])] {
+        run(&["textures", "--scene", &patches, "--at", at, "--out", text(&out)]).unwrap();
+        let table = fs::read_to_string(out.join("stages.csv")).unwrap();
+        assert_eq!(table.lines().count(), 6, "a header, two conversions, three stages");
+        let stored = table.lines().find(|l| l.starts_with("1 stored")).unwrap();
+        assert_eq!(
+            stored.split(',').nth(1),
+            Some((size[0] * size[1]).to_string().as_str()),
+            "{at}: {stored}"
+        );
+        assert!(image::open(out.join("stages.png")).unwrap().height() > 300);
+    }
+}
+
+#[test]
 fn textures_are_judged_in_a_table_a_sheet_and_layers() {
     let (_keep, out) = folder();
     run(&["textures", "--out", text(&out), "--samples", "3", "--depths", "2"]).unwrap();

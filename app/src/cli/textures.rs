@@ -49,7 +49,7 @@ pub struct Options {
     #[arg(long, requires = "at")]
     scene: Option<PathBuf>,
     /// A point on or beside that surface, m.
-    #[arg(long, value_parser = parse_point, requires = "scene")]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, requires = "scene")]
     at: Option<Vec3>,
     /// Texels of the Hermite stage a step between nodes, 1 to 4.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
