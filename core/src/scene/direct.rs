@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 /// Area emitters of at most this many triangles are integrated in closed form.
 pub const ANALYTIC_TRIANGLES: usize = 16;
 
-/// Triangles up to this edge a metre of distance are integrated by three points: [`distant_irradiance`].
+/// Triangles up to this edge a metre of distance are integrated by three points each.
 pub const LARGEST_SIZE: f32 = 0.08;
 
 /// How many times as many points are drawn at most, where all of the first lie where the light does not come from.
