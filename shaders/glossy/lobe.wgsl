@@ -89,8 +89,11 @@ fn phong_value(normal: vec3f, wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
 }
 
 fn phong_sample(normal: vec3f, wo: vec3f, exponent: f32, u: vec2f) -> vec3f {
-    let c = pow(u.x, 1.0 / (exponent + 1.0));
-    let s = sqrt(max(1.0 - c * c, 0.0));
+    // ln of the cosine; 1 − cos² of a narrow lobe would be rounding.
+    let ln = log(max(u.x, 1.2e-38)) / (exponent + 1.0);
+    let c = exp(ln);
+    let series = -2.0 * ln * (1.0 + ln * (1.0 + 2.0 / 3.0 * ln));
+    let s = sqrt(max(select(1.0 - c * c, series, ln > -0.01), 0.0));
     let phi = 2.0 * PI * u.y;
     return frame_from_normal(reflect(-wo, normal)) * vec3f(s * cos(phi), s * sin(phi), c);
 }

@@ -78,8 +78,14 @@ fn maps(difference: &Difference) -> Page {
     ];
     let bright = most(&rows[0]).max(most(&rows[1]));
     let apart = most(&rows[2]);
-    let mut light = rows[0][0].colours(&ColourSettings::default());
-    light.high = bright;
+    let both = || rows[..2].iter().flatten().map(|scene| scene.colours(&ColourSettings::default()));
+    let low = both().map(|c| c.low).fold(bright, f32::min);
+    let light = FalseColour {
+        low,
+        high: bright,
+        logarithmic: low > 0.0 && both().any(|c| c.logarithmic),
+        ..rows[0][0].colours(&ColourSettings::default())
+    };
     let signed = FalseColour::over([-apart, apart], Palette::Viridis);
     let scale = LONGER / (high - low).max_element();
     let size =

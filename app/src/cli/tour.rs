@@ -65,8 +65,7 @@ pub fn write(folder: &Path, only: Option<Example>) -> anyhow::Result<()> {
     for (_, part) in parts.into_iter().filter(|(example, _)| only.is_none_or(|only| only == *example)) {
         part(&mut tour)?;
     }
-    let scratch = &tour.scratch;
-    std::fs::remove_dir_all(scratch).with_context(|| format!("cannot remove {}", scratch.display()))
+    Ok(())
 }
 
 /// What is photographed of one example.
@@ -77,6 +76,14 @@ pub(super) struct Tour {
     folder: PathBuf,
     /// For what is deleted at the end.
     pub(super) scratch: PathBuf,
+}
+
+impl Drop for Tour {
+    fn drop(&mut self) {
+        if let Err(error) = std::fs::remove_dir_all(&self.scratch) {
+            log::warn!("cannot remove {}: {error}", self.scratch.display());
+        }
+    }
 }
 
 impl Tour {

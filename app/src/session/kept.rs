@@ -29,7 +29,7 @@ impl Session {
         let of = |volume| match volume {
             CopyVolume::Kept(n) => self.kept.get(n).map(|k| Named { name: &k.name, volume: &k.volume }),
             CopyVolume::Present => {
-                let volume = self.solution.as_ref()?.volume.as_deref()?;
+                let volume = self.solution.as_ref()?.volume.as_ref()?;
                 Some(Named { name: "present volume", volume })
             }
         };

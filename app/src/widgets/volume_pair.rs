@@ -20,13 +20,15 @@ pub struct Named<'a> {
     /// Name on screen.
     pub name: &'a str,
     /// The volume.
-    pub volume: &'a IrradianceVolume,
+    pub volume: &'a Arc<IrradianceVolume>,
 }
 
 /// What is remembered between frames.
 #[derive(Clone, Default)]
 pub struct Memory {
     slots: [ImageSlot; 2],
+    /// Held, so that no other volume can be taken for one of them.
+    volumes: Option<[Arc<IrradianceVolume>; 2]>,
     asked: u64,
     found: [Arc<[Vec3]>; 2],
 }
@@ -50,9 +52,13 @@ pub struct Asked<'a> {
 /// Shows A and B, and what they differ.
 pub fn show(ui: &mut Ui, memory: &mut Memory, turn: &mut Turn, [a, b]: [Named<'_>; 2], asked: &Asked<'_>) {
     let volumes = [a.volume, b.volume];
-    let addresses = volumes.map(|v| std::ptr::from_ref(v) as usize);
-    let wanted = key((addresses, asked.position.to_array().map(f32::to_bits), asked.part, asked.light_key));
-    if memory.asked != wanted {
+    let known =
+        memory.volumes.as_ref().is_some_and(|of| of.iter().zip(volumes).all(|(x, y)| Arc::ptr_eq(x, y)));
+    let light = (asked.position.to_array().map(f32::to_bits), asked.part, asked.light_key);
+    let addresses = volumes.map(|v| Arc::as_ptr(v) as usize);
+    let wanted = key((addresses, light));
+    if !known || memory.asked != wanted {
+        memory.volumes = Some(volumes.map(Arc::clone));
         memory.asked = wanted;
         memory.found = volumes.map(|volume| {
             let bins = volume.bins();

@@ -95,7 +95,9 @@ impl Tube {
             let [_, x, y] = flat(p);
             Vec2::new(x, y).distance(centre)
         };
-        if corners().any(|p| (away(p) - radius).abs() > ROUND * radius) {
+        let off = |p: Vec3| (away(p) - radius).abs() > ROUND * radius;
+        // Small caps keep their light at corners too, and are another surface.
+        if corners().any(off) || off(own.position) || own.normal.dot(axis).abs() > SQUARE {
             return None;
         }
         let (low, high) = corners().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| {

@@ -160,7 +160,8 @@ fn bounding_rectangle(geometry: &Geometry, triangles: Vec<u32>, normal: Vec3) ->
 }
 
 impl Region {
-    /// Nodes along u and v at a spacing, more than any scene may have if they are too many; 1 where the rectangle is narrower than half of it.
+    /// Nodes along u and v at a spacing, at most `MOST_NODES` + 1, which no surface may have; 1 where the rectangle is
+    /// narrower than half of it.
     pub fn nodes(&self, spacing: f32) -> [u32; 2] {
         self.extent.to_array().map(|side| {
             if side < 0.5 * spacing {

@@ -125,9 +125,11 @@ pub enum RadiosityError {
         spacing_m: f32,
     },
     /// The spacing is too fine for the length of a flat region.
-    #[error("{nodes} elements along a surface at a spacing of {spacing_m} m; at most {most} are allowed")]
+    #[error(
+        "{nodes} elements or more along a surface at a spacing of {spacing_m} m; at most {most} are allowed"
+    )]
     TooLong {
-        /// Elements wanted along it.
+        /// Elements wanted along it, at least.
         nodes: u32,
         /// Elements allowed.
         most: u32,
