@@ -10,7 +10,7 @@ mod look;
 
 pub use crate::document::{Against, Compare, Document, Edits, View, VolumeView};
 pub use effect::Effect;
-pub use kept::Kept;
+pub use kept::{Kept, NamedVolume};
 
 use crate::{
     command::Command,

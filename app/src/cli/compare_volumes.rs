@@ -78,14 +78,11 @@ fn maps(difference: &Difference) -> Page {
     ];
     let bright = most(&rows[0]).max(most(&rows[1]));
     let apart = most(&rows[2]);
-    let both = || rows[..2].iter().flatten().map(|scene| scene.colours(&ColourSettings::default()));
-    let low = both().map(|c| c.low).fold(bright, f32::min);
-    let light = FalseColour {
-        low,
-        high: bright,
-        logarithmic: low > 0.0 && both().any(|c| c.logarithmic),
-        ..rows[0][0].colours(&ColourSettings::default())
-    };
+    let found: Vec<FalseColour> =
+        rows[..2].iter().flatten().map(|scene| scene.colours(&ColourSettings::default())).collect();
+    let darkest = found.iter().map(|c| c.low).fold(bright, f32::min);
+    let logarithmic = darkest > 0.0 && found.iter().any(|c| c.logarithmic);
+    let light = FalseColour { low: darkest, high: bright, logarithmic, ..found[0] };
     let signed = FalseColour::over([-apart, apart], Palette::Viridis);
     let scale = LONGER / (high - low).max_element();
     let size =

@@ -5,10 +5,7 @@ use egui::{
     epaint::text::{Fonts, TextOptions},
 };
 use lumenscope_core::io::png::write_png;
-use std::{
-    path::Path,
-    sync::{LazyLock, Mutex, PoisonError},
-};
+use std::path::Path;
 
 /// Colour of words and ticks.
 pub const INK: [u8; 3] = [235, 235, 235];
@@ -19,10 +16,6 @@ const FONT_SIZE: f32 = 12.0;
 /// Rows from the top of a capital to the baseline at scale 1.
 const CAPITAL: usize = 9;
 
-/// The window's own fonts, which words on pages are drawn in too.
-static FONTS: LazyLock<Mutex<Fonts>> =
-    LazyLock::new(|| Mutex::new(Fonts::new(TextOptions::default(), FontDefinitions::default())));
-
 /// A picture to draw and write on.
 pub struct Page {
     /// Columns.
@@ -31,12 +24,20 @@ pub struct Page {
     pub height: usize,
     /// Row-major sRGB pixels.
     pub pixels: Vec<[u8; 4]>,
+    /// The window's own.
+    fonts: Fonts,
 }
 
 impl Page {
     /// An empty one.
     pub fn new(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![[28, 28, 30, 255]; width * height] }
+        Self::over(width, height, vec![[28, 28, 30, 255]; width * height])
+    }
+
+    /// A picture to write on, row-major sRGB pixels.
+    pub fn over(width: usize, height: usize, pixels: Vec<[u8; 4]>) -> Self {
+        let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
+        Self { width, height, pixels, fonts }
     }
 
     /// Writes it as a PNG.
@@ -67,10 +68,11 @@ impl Page {
 
     /// Text in columns of eight pixels times the scale, the upper left corner of its first capital at a pixel.
     pub fn text(&mut self, x: usize, y: usize, scale: usize, text: &str, ink: [u8; 3]) {
-        let mut fonts = FONTS.lock().unwrap_or_else(PoisonError::into_inner);
         let font = FontId::monospace(FONT_SIZE * scale as f32);
-        let galley = fonts.with_pixels_per_point(1.0).layout_no_wrap(text.to_owned(), font, Color32::WHITE);
-        let atlas = fonts.texture_atlas().image();
+        let galley =
+            self.fonts.with_pixels_per_point(1.0).layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        let atlas = self.fonts.texture_atlas().image();
+        let mut covers = Vec::new();
         let glyphs = galley.rows.iter().flat_map(|row| &row.glyphs);
         for (i, glyph) in glyphs.enumerate() {
             let (from, to) = (glyph.uv_rect.min.map(usize::from), glyph.uv_rect.max.map(usize::from));
@@ -81,10 +83,13 @@ impl Page {
                     let at = [left + (column - from[0]) as f32, top + (row - from[1]) as f32];
                     if at[0] >= 0.0 && at[1] >= 0.0 {
                         let covered = f32::from(atlas[(column, row)].a()) / 255.0;
-                        self.blend(at[0] as usize, at[1] as usize, ink, covered);
+                        covers.push((at[0] as usize, at[1] as usize, covered));
                     }
                 }
             }
+        }
+        for (x, y, covered) in covers {
+            self.blend(x, y, ink, covered);
         }
     }
 

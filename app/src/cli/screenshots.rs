@@ -104,7 +104,7 @@ fn copper_and_gold(solution: &LightTransportSolution, folder: &Path, seed: u64) 
 fn put_in(path: &Path, solution: &LightTransportSolution, folder: &Path, seed: u64) -> anyhow::Result<()> {
     let write = |name: &str, shown: &LinearImage, words: &[String]| {
         let pixels = composite::display(shown, &auto_display(shown));
-        let mut page = Page { width: shown.width as usize, height: shown.height as usize, pixels };
+        let mut page = Page::over(shown.width as usize, shown.height as usize, pixels);
         let step = shown.width as f32 / words.len() as f32;
         for (i, words) in words.iter().enumerate() {
             page.plate((i as f32 + 0.5) * step, shown.height as f32 - 14.0, words, GROUND);

@@ -1,7 +1,7 @@
 //! Volumes kept to be compared with.
 
 use super::{Against, Effect, Session};
-use crate::{copies::CopyVolume, widgets::volume_pair::Named};
+use crate::copies::CopyVolume;
 use lumenscope_core::irradiance_volume::IrradianceVolume;
 use std::sync::Arc;
 
@@ -12,6 +12,15 @@ pub struct Kept {
     pub name: String,
     /// The volume.
     pub volume: Arc<IrradianceVolume>,
+}
+
+/// A volume and what it is called on screen.
+#[derive(Clone, Copy)]
+pub struct NamedVolume<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// The volume.
+    pub volume: &'a Arc<IrradianceVolume>,
 }
 
 impl Session {
@@ -25,12 +34,12 @@ impl Session {
     }
 
     /// The volume that is shown and the one it is compared with; `None` where either is not at hand.
-    pub fn two_volumes(&self) -> Option<[Named<'_>; 2]> {
+    pub fn two_volumes(&self) -> Option<[NamedVolume<'_>; 2]> {
         let of = |volume| match volume {
-            CopyVolume::Kept(n) => self.kept.get(n).map(|k| Named { name: &k.name, volume: &k.volume }),
+            CopyVolume::Kept(n) => self.kept.get(n).map(|k| NamedVolume { name: &k.name, volume: &k.volume }),
             CopyVolume::Present => {
                 let volume = self.solution.as_ref()?.volume.as_ref()?;
-                Some(Named { name: "present volume", volume })
+                Some(NamedVolume { name: "present volume", volume })
             }
         };
         let view = &self.document.view.volume;

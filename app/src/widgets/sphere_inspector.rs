@@ -8,13 +8,12 @@ use super::{
     sphere_image::{self, ImageSlot, SphereValues, key},
     sphere_numbers::SphereNumbers,
     sphere_pair::{self, Ball, Turn},
-    unfolded, value_table,
-    volume_pair::{self, Named},
+    unfolded, value_table, volume_pair,
 };
 use crate::{
     command::{Command, Dialog},
     export::Export,
-    session::View,
+    session::{NamedVolume, View},
 };
 use egui::Ui;
 use glam::Vec3;
@@ -67,7 +66,7 @@ pub fn show(
     probe: Option<&Probe>,
     resolutions: &[Probe],
     moments: Option<&moments::Spheres>,
-    volumes: Option<[Named<'_>; 2]>,
+    volumes: Option<[NamedVolume<'_>; 2]>,
     view: &View,
 ) -> Vec<Command> {
     let Some(probe) = probe else {
@@ -120,7 +119,7 @@ struct Opened<'a> {
     view: &'a View,
     resolutions: &'a [Probe],
     moments: Option<&'a moments::Spheres>,
-    volumes: Option<[Named<'a>; 2]>,
+    volumes: Option<[NamedVolume<'a>; 2]>,
 }
 
 fn commands(view: &View, wanted: View) -> Vec<Command> {

@@ -5,6 +5,7 @@ use super::{
     sphere_pair::{self, Ball, Look, Turn},
     value_table::{self, Row},
 };
+use crate::session::NamedVolume;
 use egui::Ui;
 use glam::Vec3;
 use lumenscope_core::{irradiance_volume::IrradianceVolume, math::part::Part};
@@ -14,20 +15,11 @@ const MEANING: &str = "Irradiance of a plane facing each direction here, interpo
 const APART: &str = "Root mean square difference over all directions, as a share of the mean; by rays: the sphere \
                      above, sampled at the point itself";
 
-/// A volume and what it is called.
-#[derive(Clone, Copy)]
-pub struct Named<'a> {
-    /// Name on screen.
-    pub name: &'a str,
-    /// The volume.
-    pub volume: &'a Arc<IrradianceVolume>,
-}
-
 /// What is remembered between frames.
 #[derive(Clone, Default)]
 pub struct Memory {
     slots: [ImageSlot; 2],
-    /// Held, so that no other volume can be taken for one of them.
+    /// Held, so that no other volume gets the address of one of them.
     volumes: Option<[Arc<IrradianceVolume>; 2]>,
     asked: u64,
     found: [Arc<[Vec3]>; 2],
@@ -50,14 +42,18 @@ pub struct Asked<'a> {
 }
 
 /// Shows A and B, and what they differ.
-pub fn show(ui: &mut Ui, memory: &mut Memory, turn: &mut Turn, [a, b]: [Named<'_>; 2], asked: &Asked<'_>) {
+pub fn show(
+    ui: &mut Ui,
+    memory: &mut Memory,
+    turn: &mut Turn,
+    [a, b]: [NamedVolume<'_>; 2],
+    asked: &Asked<'_>,
+) {
     let volumes = [a.volume, b.volume];
-    let known =
-        memory.volumes.as_ref().is_some_and(|of| of.iter().zip(volumes).all(|(x, y)| Arc::ptr_eq(x, y)));
     let light = (asked.position.to_array().map(f32::to_bits), asked.part, asked.light_key);
     let addresses = volumes.map(|v| Arc::as_ptr(v) as usize);
     let wanted = key((addresses, light));
-    if !known || memory.asked != wanted {
+    if memory.asked != wanted {
         memory.volumes = Some(volumes.map(Arc::clone));
         memory.asked = wanted;
         memory.found = volumes.map(|volume| {

@@ -225,14 +225,13 @@ impl LiveTransport {
         }
         current.provenance.state = State::Settled;
         show(&current);
-        Ok(Self {
-            settings,
-            solved: scene,
-            taken: current.mirror_images.clone(),
-            current,
-            coarse: Vec::new(),
-            unsettled: false,
-        })
+        Ok(Self::settled(settings, scene, current))
+    }
+
+    /// Of light that is solved in full for a scene.
+    fn settled(settings: SolveSettings, solved: Arc<Scene>, current: LightTransportSolution) -> Self {
+        let taken = current.mirror_images.clone();
+        Self { settings, solved, taken, current, coarse: Vec::new(), unsettled: false }
     }
 
     /// The latest solution.

@@ -91,14 +91,7 @@ impl LiveTransport {
         current.provenance.state = State::Settled;
         current.provenance.revision += 1;
         show(&current);
-        Ok(Self {
-            settings,
-            solved: scene,
-            taken: current.mirror_images.clone(),
-            current,
-            coarse: Vec::new(),
-            unsettled: false,
-        })
+        Ok(Self::settled(settings, scene, current))
     }
 
     /// Light on surfaces with other settings, through the cached transport where it holds for them.
