@@ -7,8 +7,13 @@ use lumenscope::{
     copies::{Copies, CopyVolume},
     pipeline::VolumeSource,
     session::View,
+    worker::Worker,
 };
 use lumenscope_core::{irradiance_volume::moments::Order, math::part::Part, scene::Target};
+use std::{
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 #[test]
 fn two_copies_are_lit_by_two_volumes_at_once() {
@@ -84,4 +89,16 @@ fn copies_that_were_stopped_are_gone_from_the_view_too() {
     window.wait_lit();
     let guests = window.app().session().solution.as_ref().map_or(0, |s| s.guests.len());
     assert_eq!((window.view().copies.is_some(), guests), (false, 0));
+}
+
+#[test]
+fn copies_wanted_where_there_is_no_light_keep_nobody_busy() {
+    // As a scene is opened and given up before its light is begun.
+    let worker = Worker::start(|| {}).unwrap();
+    worker.copies(None);
+    let began = Instant::now();
+    while worker.is_busy() {
+        assert!(began.elapsed() < Duration::from_secs(20), "busy with nothing");
+        sleep(Duration::from_millis(1));
+    }
 }

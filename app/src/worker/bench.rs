@@ -136,7 +136,8 @@ impl Bench {
         if self.solution.is_some() && std::mem::take(&mut slots.measure) {
             return Some(Task::Measure(slots.placement.clone()));
         }
-        if self.solution.is_some() && std::mem::take(&mut slots.dress) {
+        // Without light there is nothing to put copies into: they go in when there is some.
+        if std::mem::take(&mut slots.dress) && self.solution.is_some() {
             return Some(Task::Dress);
         }
         if self.lit
